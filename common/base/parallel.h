@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace tallow {
+
+/// Calls body(begin, end) for disjoint ranges that cover [0, n), on all threads. Exceptions of the
+/// body reach the caller. Every index must write its own slot, so that results do not depend on
+/// the number of threads or on the order of execution. Throws Interrupted after Ctrl-C.
+void parallel_ranges(std::size_t n, std::size_t grain,
+                     const std::function<void(std::size_t begin, std::size_t end)>& body);
+
+/// Calls body(i) for each i in [0, n), on all threads.
+template <class Body>
+void parallel_for(std::size_t n, std::size_t grain, Body&& body) {
+    parallel_ranges(n, grain, [&body](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+}
+
+/// Limits the number of threads while it lives; 0 means all that the machine has.
+class ThreadLimit {
+public:
+    explicit ThreadLimit(int threads);
+    ~ThreadLimit();
+    ThreadLimit(const ThreadLimit&) = delete;
+    ThreadLimit& operator=(const ThreadLimit&) = delete;
+    int threads() const { return threads_; }
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+    int threads_;
+};
+
+/// From now on Ctrl-C (SIGINT, SIGTERM) makes parallel loops throw Interrupted; a second Ctrl-C
+/// ends the process at once.
+void install_interrupt_handler();
+bool interrupted();
+
+}  // namespace tallow

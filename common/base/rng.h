@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "common/base/vec.h"
+
+namespace tallow {
+
+/// Mixes 64 bits so that every input bit flips half of the output bits.
+/// Source: the finalizer of SplitMix64 (Steele, Lea, Flood 2014), with Stafford's variant 13.
+constexpr std::uint64_t mix_bits(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+
+/// Random bits that are a function of where they are used, never of who ran before: the same for
+/// any number of threads. `stream` tells apart the uses of one index.
+constexpr std::uint32_t random_bits(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+    const std::uint64_t key = mix_bits(seed + 0x9e3779b97f4a7c15ull * (stream + 1));
+    return static_cast<std::uint32_t>(mix_bits(key ^ (index * 0xd1342543de82ef95ull)) >> 32);
+}
+
+/// Uniform in [0, 1): 24 bits, so that it is never rounded up to 1.
+constexpr float to_unit_float(std::uint32_t bits) {
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+
+/// Point `index` of a two-dimensional low-discrepancy sequence, scrambled by `scramble`: any
+/// 2^k consecutive aligned points are one in each elementary interval of area 2^-k.
+///
+/// Source: the (0,2)-sequence of Sobol's first two dimensions; hash-based Owen scrambling after
+/// Burley 2020, "Practical Hash-based Owen Scrambling".
+Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble);
+
+}  // namespace tallow

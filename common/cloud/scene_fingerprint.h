@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/cloud/cache_format.h"
+#include "common/scene/scene_geometry.h"
+
+namespace tallow {
+
+/// What pass one depends on: geometry of every object, which of them are translucent and their
+/// eta, the lights without their groups' scales, light samples. Not cameras, not image size, not
+/// sigmas, not opaque materials' colours (no indirect light yet).
+Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry);
+
+}  // namespace tallow

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "common/base/vec.h"
+
+namespace tallow {
+
+/// Polygons as a file lists them: nothing is promised but that indices are in range, coordinates
+/// are finite and each polygon has at least three corners. May be open, non-manifold, unoriented.
+struct PolygonSoup {
+    std::vector<Vec3> vertices;                        // in the file's unit
+    std::vector<Vec3> normals;                         // one a vertex, or empty
+    std::vector<std::vector<std::uint32_t>> polygons;  // vertex indices
+};
+
+/// Reads PLY (ascii, binary little and big endian), OBJ, OFF or STL (ascii, binary); the file's
+/// extension tells which.
+///
+/// Throws   InputError, located: "bunny.ply: face 812: vertex 40111 out of range (34834 vertices)".
+PolygonSoup read_polygon_soup(const std::filesystem::path& file);
+
+}  // namespace tallow

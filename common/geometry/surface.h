@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <variant>
+
+#include "common/geometry/mesh.h"
+
+namespace tallow {
+
+/// x -> linear * x + translation.
+struct Affine {
+    glm::mat3 linear{1.0f};
+    Vec3 translation{0.0f};
+
+    Vec3 point(Vec3 p) const { return linear * p + translation; }
+    Vec3 vector(Vec3 v) const { return linear * v; }
+    /// Normals transform with the inverse transpose; unit result.
+    Vec3 normal(Vec3 n) const { return glm::normalize(glm::inverseTranspose(linear) * n); }
+};
+
+/// this_first(then(x)): `outer` applied after `inner`.
+Affine compose(const Affine& outer, const Affine& inner);
+
+/// Image of the unit sphere around the origin: a sphere or an ellipsoid. |det| > 0.
+struct SphereSurface {
+    Affine to_world;
+};
+
+/// Image of the unit disc in the plane z = 0, facing +z. Two-sided, encloses nothing.
+struct DiscSurface {
+    Affine to_world;
+};
+
+/// The plane through `point`; the half-space on the side opposite to the unit `normal` is inside.
+/// `radius` is infinite, except for a translucent half-space: there light enters only within
+/// `radius` of `point`, as through the opening of a black diaphragm.
+struct PlaneSurface {
+    Vec3 point;
+    Vec3 normal;
+    float radius = kInfinity;  // mm
+};
+
+/// What one object of the scene is, in world space and mm.
+using Surface = std::variant<TriangleMesh, SphereSurface, DiscSurface, PlaneSurface>;
+
+/// The cube [-1/2, 1/2]^3 under `to_world`, twelve triangles, flat.
+TriangleMesh cube_mesh(const Affine& to_world);
+
+/// `mesh` under `to_world`; a mirroring transform turns the triangles so that they face outward.
+TriangleMesh transform_mesh(TriangleMesh mesh, const Affine& to_world);
+
+}  // namespace tallow

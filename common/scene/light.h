@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "common/base/rgb.h"
+#include "common/base/vec.h"
+
+namespace tallow {
+
+/// Radiant intensity in every direction. W/sr per channel, position in mm.
+struct PointLight {
+    Vec3 position;
+    Rgb intensity;
+};
+
+/// Parallel light. `direction` is where it travels (unit); `irradiance` falls on a surface that
+/// faces it, W/mm^2.
+struct DirectionalLight {
+    Vec3 direction;
+    Rgb irradiance;
+};
+
+/// Point light with a cone: full intensity within cos_inner of the axis, none beyond cos_outer,
+/// a smooth cubic step between.
+struct SpotLight {
+    Vec3 position;
+    Vec3 direction;  // unit axis
+    Rgb intensity;
+    float cos_inner, cos_outer;
+};
+
+/// Rectangle center + a u + b v with a, b in [-1/2, 1/2]; shines to the side of `normal` only.
+struct QuadLight {
+    Vec3 center;
+    Vec3 u, v;  // full edges, mm
+    Vec3 normal;
+    Rgb radiance;
+};
+
+/// Sphere that shines outward.
+struct SphereLight {
+    Vec3 center;
+    float radius;
+    Rgb radiance;
+};
+
+/// The same radiance from every direction, from infinitely far away.
+struct EnvironmentLight {
+    Rgb radiance;
+};
+
+using LightShape = std::variant<PointLight, DirectionalLight, SpotLight, QuadLight, SphereLight,
+                                EnvironmentLight>;
+
+/// A light and the group in which its intensity is changed. Lights cast light, not shadows.
+struct Light {
+    LightShape shape;
+    std::uint32_t group = 0;  // index into Scene::groups
+};
+
+/// Light that may arrive at a point from one direction.
+struct LightSample {
+    Vec3 w_i;        ///< unit, towards the light
+    float distance;  ///< to the light, mm; infinite for lights at infinity
+    Rgb radiance;    ///< radiance / pdf, or irradiance on a facing surface for delta lights:
+                     ///< multiply by cos_i and average over the samples to get irradiance
+};
+
+/// Whether all the light that reaches a point comes from one direction.
+bool is_delta(const Light& light);
+
+/// Draws the light that may reach `x`, obstacles not considered. `n` is the normal of a receiving
+/// surface, or nothing for a point inside a volume (then an environment is drawn from all
+/// directions). `u` in [0, 1)^2; ignored by delta lights. Nothing if none can reach it.
+std::optional<LightSample> sample_light(const Light& light, Vec3 x, std::optional<Vec3> n, Vec2 u);
+
+/// What a ray sees of a light, obstacles not considered.
+struct Emission {
+    float t;  ///< distance, mm; infinite for an environment
+    Rgb radiance;
+};
+/// Nothing if the ray misses it; delta lights are never seen.
+std::optional<Emission> see_light(const Light& light, const Ray& ray);
+
+}  // namespace tallow

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/base/rgb.h"
+#include "common/geometry/mesh_repair.h"
+#include "common/geometry/surface.h"
+#include "common/optics/medium.h"
+#include "common/scene/camera.h"
+#include "common/scene/light.h"
+
+namespace tallow {
+
+/// How light leaves a translucent surface: T(w_o) of L = M / pi * T.
+enum class Exit {
+    normalized,  ///< F_t / (2 * integral of F_t mu): energy is kept
+    classic      ///< F_t, as printed in the papers: loses about 10 % at eta 1.5
+};
+
+/// A term may be computed always, never, or where it can matter.
+enum class Switch { automatic, on, off };
+
+struct SubsurfaceMaterial {
+    Medium medium;
+    Exit exit = Exit::normalized;
+    Switch single_scattering = Switch::automatic;
+};
+
+/// Lambertian reflection.
+struct DiffuseMaterial {
+    Rgb reflectance;
+};
+
+/// Lambertian base under a smooth dielectric coat.
+struct PlasticMaterial {
+    Rgb reflectance;  ///< of the base alone, as if uncoated
+    float eta;
+};
+
+struct MirrorMaterial {
+    Rgb reflectance;
+};
+
+struct Material {
+    std::string name;
+    std::variant<SubsurfaceMaterial, DiffuseMaterial, PlasticMaterial, MirrorMaterial> kind;
+};
+
+/// Shapes as the scene file states them, in object space and in mm.
+struct SphereShape {
+    Vec3 center;
+    float radius;
+};
+struct CubeShape {
+    Vec3 center;
+    Vec3 size;
+};
+struct DiscShape {
+    Vec3 center;
+    Vec3 normal;
+    float radius;
+};
+struct PlaneShape {
+    Vec3 point;
+    Vec3 normal;
+    float radius;  // PlaneSurface::radius
+};
+struct MeshShape {
+    std::filesystem::path file;
+    Normals normals;
+};
+using Shape = std::variant<SphereShape, CubeShape, DiscShape, PlaneShape, MeshShape>;
+
+struct Object {
+    Shape shape;
+    std::uint32_t material;  // index into Scene::materials
+    Affine transform;        // object space -> world
+    std::string where;       // "scene.yaml:12:5", to report what is wrong with it later
+};
+
+struct LightGroup {
+    std::string name;
+    Rgb scale{1};  // multiplies all its lights; not baked into a cache
+};
+
+struct Settings {
+    float tolerance = 0.01f;  // relRMSE the user accepts
+    int samples = 16;         // camera rays a pixel
+    int light_samples = 16;   // shadow rays a light and receiver
+};
+
+/// Everything a scene file says, validated: indices in range, numbers finite and in their domain,
+/// lengths in mm, angles in radians. At least one camera. Files are named, not yet read.
+struct Scene {
+    std::filesystem::path file;
+    std::vector<Camera> cameras;  // the first is the default
+    std::vector<Material> materials;
+    std::vector<Object> objects;
+    std::vector<Light> lights;
+    std::vector<LightGroup> groups;
+    Settings settings;
+    float mm_per_unit = 1;  // of the scene's `unit`, applied to mesh files as well
+};
+
+/// The subsurface material of an object, or null for an opaque one.
+inline const SubsurfaceMaterial* subsurface(const Scene& scene, std::size_t object) {
+    return std::get_if<SubsurfaceMaterial>(&scene.materials[scene.objects[object].material].kind);
+}
+
+}  // namespace tallow
