@@ -36,7 +36,8 @@ constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
 
 Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble) {
     const auto seed_x = static_cast<std::uint32_t>(mix_bits(scramble) >> 32);
-    const auto seed_y = static_cast<std::uint32_t>(mix_bits(scramble ^ 0x6a09e667f3bcc909ull) >> 32);
+    const auto seed_y =
+        static_cast<std::uint32_t>(mix_bits(scramble ^ 0x6a09e667f3bcc909ull) >> 32);
     return {to_unit_float(owen_scramble(reverse_bits(index), seed_x)),
             to_unit_float(owen_scramble(sobol_second(index), seed_y))};
 }

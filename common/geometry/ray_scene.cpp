@@ -1,1 +1,337 @@
 // SPDX-License-Identifier: Apache-2.0
+// Ray queries on all surfaces of a scene. Meshes are Embree triangles; spheres and discs are Embree
+// user geometries solved in double in their own unit space; unbounded planes, which no bounding box
+// can hold, are tested beside the tree. An object's index is its Embree geometry ID.
+#include "common/geometry/ray_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <bit>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "common/base/check.h"
+
+namespace tallow {
+namespace {
+
+/// A sphere or disc, ready to be met by rays in the space where it has radius 1.
+struct UnitShape {
+    enum class Kind { sphere, disc } kind;
+    Affine to_world;
+    glm::dmat3 to_object_linear;
+    DVec3 to_object_translation;
+};
+
+UnitShape make_unit_shape(UnitShape::Kind kind, const Affine& to_world) {
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3(to_world.linear));
+    return {kind, to_world, inverse, -(inverse * DVec3(to_world.translation))};
+}
+
+// Parameters t of the two crossings of the unit sphere, or the crossing of the unit disc twice;
+// nothing if the ray misses. Object space; t counts in world lengths because the direction is the
+// transformed world direction, not renormalised.
+struct Crossings {
+    bool any = false;
+    double t[2];
+};
+
+Crossings cross(const UnitShape& shape, DVec3 origin, DVec3 direction) {
+    const DVec3 o = shape.to_object_linear * origin + shape.to_object_translation;
+    const DVec3 d = shape.to_object_linear * direction;
+    if (shape.kind == UnitShape::Kind::disc) {
+        if (d.z == 0) return {};
+        const double t = -o.z / d.z;
+        const double x = o.x + t * d.x, y = o.y + t * d.y;
+        return {x * x + y * y <= 1, {t, t}};
+    }
+    // Distance of the centre to the line first: no cancellation for far and small spheres.
+    const double dd = glm::dot(d, d);
+    const double t_middle = -glm::dot(o, d) / dd;
+    const DVec3 nearest = o + t_middle * d;
+    const double h2 = 1 - glm::dot(nearest, nearest);
+    if (h2 < 0) return {};
+    const double half = std::sqrt(h2 / dd);
+    return {true, {t_middle - half, t_middle + half}};
+}
+
+Vec3 surface_point(const UnitShape& shape, DVec3 origin, DVec3 direction, double t) {
+    DVec3 p = shape.to_object_linear * (origin + t * direction) + shape.to_object_translation;
+    if (shape.kind == UnitShape::Kind::sphere)
+        p = glm::normalize(p);
+    else
+        p.z = 0;
+    return Vec3(glm::dmat3(shape.to_world.linear) * p + DVec3(shape.to_world.translation));
+}
+
+Vec3 surface_normal(const UnitShape& shape, Vec3 position) {
+    if (shape.kind == UnitShape::Kind::disc) return shape.to_world.normal(Vec3(0, 0, 1));
+    const DVec3 p = shape.to_object_linear * DVec3(position) + shape.to_object_translation;
+    return shape.to_world.normal(Vec3(glm::normalize(p)));
+}
+
+// First crossing in (near, far], or a negative number.
+double first_crossing(const Crossings& crossings, double near, double far) {
+    if (crossings.any)
+        for (double t : crossings.t)
+            if (t > near && t <= far) return t;
+    return -1;
+}
+
+void bounds(const RTCBoundsFunctionArguments* args) {
+    const auto& shape = *static_cast<const UnitShape*>(args->geometryUserPtr);
+    Vec3 half;  // of the box around the image of the unit ball: row norms
+    for (int i = 0; i < 3; ++i)
+        half[i] = glm::length(
+            Vec3(shape.to_world.linear[0][i], shape.to_world.linear[1][i],
+                 shape.kind == UnitShape::Kind::disc ? 0.0f : shape.to_world.linear[2][i]));
+    const Vec3 pad = 1e-5f * (half + glm::abs(shape.to_world.translation)) + Vec3(1e-30f);
+    const Vec3 low = shape.to_world.translation - half - pad;
+    const Vec3 high = shape.to_world.translation + half + pad;
+    *args->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
+}
+
+double lane_crossing(const UnitShape& shape, RTCRayN* ray, unsigned n, unsigned lane) {
+    const DVec3 o(RTCRayN_org_x(ray, n, lane), RTCRayN_org_y(ray, n, lane),
+                  RTCRayN_org_z(ray, n, lane));
+    const DVec3 d(RTCRayN_dir_x(ray, n, lane), RTCRayN_dir_y(ray, n, lane),
+                  RTCRayN_dir_z(ray, n, lane));
+    return first_crossing(cross(shape, o, d), RTCRayN_tnear(ray, n, lane),
+                          RTCRayN_tfar(ray, n, lane));
+}
+
+void intersect_unit_shape(const RTCIntersectFunctionNArguments* args) {
+    const auto& shape = *static_cast<const UnitShape*>(args->geometryUserPtr);
+    RTCRayN* ray = RTCRayHitN_RayN(args->rayhit, args->N);
+    RTCHitN* hit = RTCRayHitN_HitN(args->rayhit, args->N);
+    for (unsigned lane = 0; lane < args->N; ++lane) {
+        if (args->valid[lane] != -1) continue;
+        const double t = lane_crossing(shape, ray, args->N, lane);
+        if (t < 0) continue;
+        RTCRayN_tfar(ray, args->N, lane) = static_cast<float>(t);
+        RTCHitN_geomID(hit, args->N, lane) = args->geomID;
+        RTCHitN_primID(hit, args->N, lane) = args->primID;
+        RTCHitN_instID(hit, args->N, lane, 0) = args->context->instID[0];
+    }
+}
+
+void occlude_unit_shape(const RTCOccludedFunctionNArguments* args) {
+    const auto& shape = *static_cast<const UnitShape*>(args->geometryUserPtr);
+    for (unsigned lane = 0; lane < args->N; ++lane)
+        if (args->valid[lane] == -1 && lane_crossing(shape, args->ray, args->N, lane) >= 0)
+            RTCRayN_tfar(args->ray, args->N, lane) = -kInfinity;
+}
+
+// Distance to the plane along the ray, or a negative number.
+double cross_plane(const PlaneSurface& plane, const Ray& ray) {
+    const double cosine = glm::dot(DVec3(ray.direction), DVec3(plane.normal));
+    if (cosine == 0) return -1;
+    return glm::dot(DVec3(plane.point) - DVec3(ray.origin), DVec3(plane.normal)) / cosine;
+}
+
+RTCRay embree_ray(const Ray& ray, float length) {
+    RTCRay r{};
+    r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
+    r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
+    r.tnear = 0, r.tfar = length, r.mask = ~0u;
+    return r;
+}
+
+RTCGeometry mesh_geometry(RTCDevice device, const TriangleMesh& mesh) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             sizeof(Vec3), mesh.vertices.size());
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              sizeof(Triangle), mesh.triangles.size());
+    if (vertices == nullptr || triangles == nullptr) throw std::bad_alloc();
+    std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+    std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+    return geometry;
+}
+
+RTCGeometry user_geometry(RTCDevice device, UnitShape& shape) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, 1);
+    rtcSetGeometryUserData(geometry, &shape);
+    rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, intersect_unit_shape);
+    rtcSetGeometryOccludedFunction(geometry, occlude_unit_shape);
+    return geometry;
+}
+
+}  // namespace
+
+Vec3 offset_origin(Vec3 position, Vec3 n_g, Vec3 direction) {
+    constexpr float kNearZero = 1.0f / 32, kFloatStep = 1.0f / 65536, kIntStep = 256;
+    const Vec3 n = glm::dot(n_g, direction) >= 0 ? n_g : -n_g;
+    Vec3 result;
+    for (int i = 0; i < 3; ++i) {
+        if (std::abs(position[i]) < kNearZero) {
+            result[i] = position[i] + kFloatStep * n[i];
+            continue;
+        }
+        const auto step = static_cast<std::int32_t>(kIntStep * n[i]);
+        result[i] = std::bit_cast<float>(std::bit_cast<std::int32_t>(position[i]) +
+                                         (position[i] < 0 ? -step : step));
+    }
+    return result;
+}
+
+struct RayScene::Impl {
+    std::span<const Surface> surfaces;
+    std::vector<UnitShape> unit_shapes;  // [object]; unused for meshes and planes
+    std::vector<std::uint32_t> planes;   // objects that are planes
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+
+    explicit Impl(std::span<const Surface> all) : surfaces(all), unit_shapes(all.size()) {
+        // One build thread: the tree, and with it ties between triangles, must not depend on how
+        // many cores there are.
+        device = rtcNewDevice("threads=1");
+        TALLOW_CHECK(device != nullptr, "Embree error {}", int(rtcGetDeviceError(nullptr)));
+        scene = rtcNewScene(device);
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+        for (std::uint32_t object = 0; object < surfaces.size(); ++object) add(object);
+        rtcCommitScene(scene);
+        const RTCError error = rtcGetDeviceError(device);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        TALLOW_CHECK(error == RTC_ERROR_NONE, "Embree error {}", int(error));
+    }
+
+    ~Impl() {
+        rtcReleaseScene(scene);
+        rtcReleaseDevice(device);
+    }
+
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    void add(std::uint32_t object) {
+        const Surface& surface = surfaces[object];
+        RTCGeometry geometry = nullptr;
+        if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
+            geometry = mesh_geometry(device, *mesh);
+        } else if (const auto* sphere = std::get_if<SphereSurface>(&surface)) {
+            unit_shapes[object] = make_unit_shape(UnitShape::Kind::sphere, sphere->to_world);
+            geometry = user_geometry(device, unit_shapes[object]);
+        } else if (const auto* disc = std::get_if<DiscSurface>(&surface)) {
+            unit_shapes[object] = make_unit_shape(UnitShape::Kind::disc, disc->to_world);
+            geometry = user_geometry(device, unit_shapes[object]);
+        } else {
+            planes.push_back(object);
+            return;
+        }
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, object);
+        rtcReleaseGeometry(geometry);
+    }
+
+    Hit mesh_hit(const TriangleMesh& mesh, const RTCRayHit& found) const {
+        const Triangle& t = mesh.triangles[found.hit.primID];
+        const float u = found.hit.u, v = found.hit.v, w = 1 - u - v;
+        Hit hit{found.ray.tfar, found.hit.geomID, {}, triangle_normal(mesh, found.hit.primID), {}};
+        hit.position = w * mesh.vertices[t[0]] + u * mesh.vertices[t[1]] + v * mesh.vertices[t[2]];
+        hit.n = hit.n_g;
+        if (!mesh.corner_normals.empty()) {
+            const Vec3* n = &mesh.corner_normals[3 * std::size_t(found.hit.primID)];
+            hit.n = glm::normalize(w * n[0] + u * n[1] + v * n[2]);
+        }
+        return hit;
+    }
+
+    Hit unit_shape_hit(const Ray& ray, const RTCRayHit& found) const {
+        // Again in double: the tree keeps t as a float.
+        const UnitShape& shape = unit_shapes[found.hit.geomID];
+        const Crossings crossings = cross(shape, DVec3(ray.origin), DVec3(ray.direction));
+        const double t =
+            std::abs(crossings.t[0] - found.ray.tfar) <= std::abs(crossings.t[1] - found.ray.tfar)
+                ? crossings.t[0]
+                : crossings.t[1];
+        const Vec3 x = surface_point(shape, DVec3(ray.origin), DVec3(ray.direction), t);
+        const Vec3 n = surface_normal(shape, x);
+        return {found.ray.tfar, found.hit.geomID, x, n, n};
+    }
+
+    std::optional<Hit> intersect_planes(const Ray& ray, float length) const {
+        std::optional<Hit> nearest;
+        for (std::uint32_t object : planes) {
+            const auto& plane = std::get<PlaneSurface>(surfaces[object]);
+            const double t = cross_plane(plane, ray);
+            if (!(t > 0 && t <= (nearest ? nearest->t : length))) continue;
+            DVec3 x = DVec3(ray.origin) + t * DVec3(ray.direction);
+            x -= glm::dot(x - DVec3(plane.point), DVec3(plane.normal)) * DVec3(plane.normal);
+            nearest = Hit{float(t), object, Vec3(x), plane.normal, plane.normal};
+        }
+        return nearest;
+    }
+};
+
+RayScene::RayScene(std::span<const Surface> surfaces) : impl_(std::make_unique<Impl>(surfaces)) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+std::optional<Hit> RayScene::intersect(const Ray& ray, float length) const {
+    const std::optional<Hit> on_plane = impl_->intersect_planes(ray, length);
+    RTCRayHit query{embree_ray(ray, on_plane ? on_plane->t : length), {}};
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(impl_->scene, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return on_plane;
+    if (const auto* mesh = std::get_if<TriangleMesh>(&impl_->surfaces[query.hit.geomID]))
+        return impl_->mesh_hit(*mesh, query);
+    return impl_->unit_shape_hit(ray, query);
+}
+
+std::optional<Hit> RayScene::intersect_object(const Ray& ray, std::uint32_t object,
+                                              float length) const {
+    // Other objects are met only where bodies overlap or contain each other: step over them.
+    Ray rest = ray;
+    float travelled = 0;
+    for (;;) {
+        std::optional<Hit> hit = intersect(rest, length - travelled);
+        if (!hit) return std::nullopt;
+        if (hit->object == object) {
+            hit->t += travelled;
+            return hit;
+        }
+        travelled += hit->t;
+        rest.origin = offset_origin(hit->position, hit->n_g, ray.direction);
+    }
+}
+
+bool RayScene::occluded(const ShadowRay& ray) const {
+    bool result;
+    occluded(std::span(&ray, 1), std::span(&result, 1));
+    return result;
+}
+
+void RayScene::occluded(std::span<const ShadowRay> rays, std::span<bool> result) const {
+    constexpr std::size_t kPacket = 16;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t start = 0; start < rays.size(); start += kPacket) {
+        const std::size_t count = std::min(kPacket, rays.size() - start);
+        RTCRay16 packet{};
+        alignas(64) int valid[kPacket] = {};
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto& [origin, direction, length] = rays[start + i];
+            valid[i] = -1;
+            packet.org_x[i] = origin.x, packet.org_y[i] = origin.y, packet.org_z[i] = origin.z;
+            packet.dir_x[i] = direction.x, packet.dir_y[i] = direction.y;
+            packet.dir_z[i] = direction.z;
+            packet.tfar[i] = length, packet.mask[i] = ~0u;
+        }
+        rtcOccluded16(valid, impl_->scene, &context, &packet);
+        for (std::size_t i = 0; i < count; ++i) {
+            const ShadowRay& ray = rays[start + i];
+            result[start + i] =
+                packet.tfar[i] < 0 ||
+                impl_->intersect_planes({ray.origin, ray.direction}, ray.length).has_value();
+        }
+    }
+}
+
+}  // namespace tallow

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <glm/gtc/matrix_inverse.hpp>
 #include <variant>
 
 #include "common/geometry/mesh.h"
@@ -18,7 +19,7 @@ struct Affine {
     Vec3 normal(Vec3 n) const { return glm::normalize(glm::inverseTranspose(linear) * n); }
 };
 
-/// this_first(then(x)): `outer` applied after `inner`.
+/// The map that applies `inner` first, then `outer`.
 Affine compose(const Affine& outer, const Affine& inner);
 
 /// Image of the unit sphere around the origin: a sphere or an ellipsoid. |det| > 0.

@@ -17,8 +17,8 @@ namespace tallow {
 /// Source   Henyey, Greenstein 1941. The denominator is written as (1 - g)^2 + 2 g (1 - cos), which
 ///          does not cancel for g near 1 in the forward direction.
 inline float henyey_greenstein(float g, float cos_theta) {
-    const float base =
-        std::max((1 - g) * (1 - g) + 2 * g * (1 - cos_theta), (1 - std::abs(g)) * (1 - std::abs(g)));
+    const float base = std::max((1 - g) * (1 - g) + 2 * g * (1 - cos_theta),
+                                (1 - std::abs(g)) * (1 - std::abs(g)));
     return (1 - g) * (1 + g) / (4 * kPi * base * std::sqrt(base));
 }
 

@@ -53,8 +53,8 @@ struct EnvironmentLight {
     Rgb radiance;
 };
 
-using LightShape = std::variant<PointLight, DirectionalLight, SpotLight, QuadLight, SphereLight,
-                                EnvironmentLight>;
+using LightShape =
+    std::variant<PointLight, DirectionalLight, SpotLight, QuadLight, SphereLight, EnvironmentLight>;
 
 /// A light and the group in which its intensity is changed. Lights cast light, not shadows.
 struct Light {

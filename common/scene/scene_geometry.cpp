@@ -1,1 +1,98 @@
 // SPDX-License-Identifier: Apache-2.0
+// Shapes of the scene file -> surfaces in world space. Meshes are read, repaired and, where they
+// are translucent, required to enclose a volume.
+#include "common/scene/scene_geometry.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <fstream>
+
+#include "common/base/errors.h"
+#include "common/base/overloaded.h"
+
+namespace tallow {
+namespace {
+
+std::uint64_t hash_file(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    XXH3_state_t* state = XXH3_createState();
+    XXH3_64bits_reset(state);
+    std::vector<char> block(1 << 20);
+    while (stream.read(block.data(), std::streamsize(block.size())), stream.gcount() > 0)
+        XXH3_64bits_update(state, block.data(), std::size_t(stream.gcount()));
+    const std::uint64_t hash = XXH3_64bits_digest(state);
+    XXH3_freeState(state);
+    return hash;
+}
+
+void require_closed(const Object& object, const std::string& file, const RepairReport& report) {
+    if (report.boundary_loops == 0) return;
+    throw InputError(
+        fmt::format("{}: {}: a translucent body must enclose a volume, but this mesh "
+                    "is open: {}; close it, or give it an opaque material",
+                    object.where, file, report.boundary));
+}
+
+class SurfaceLoader {
+public:
+    SurfaceLoader(const Scene& scene, SceneGeometry& geometry)
+        : scene_(scene), geometry_(geometry) {}
+
+    void load(std::size_t index) {
+        const Object& object = scene_.objects[index];
+        geometry_.mesh_hash.push_back(0);
+        geometry_.surfaces.push_back(
+            std::visit(Overloaded{
+                           [&](const SphereShape& s) -> Surface {
+                               const Affine unit{glm::mat3(s.radius), s.center};
+                               return SphereSurface{compose(object.transform, unit)};
+                           },
+                           [&](const CubeShape& s) -> Surface {
+                               glm::mat3 size(0.0f);
+                               for (int i = 0; i < 3; ++i) size[i][i] = s.size[i];
+                               return cube_mesh(compose(object.transform, {size, s.center}));
+                           },
+                           [&](const DiscShape& s) -> Surface { return disc(object.transform, s); },
+                           [&](const PlaneShape& s) -> Surface {
+                               return PlaneSurface{object.transform.point(s.point),
+                                                   object.transform.normal(s.normal), s.radius};
+                           },
+                           [&](const MeshShape& s) -> Surface { return mesh(index, s); },
+                       },
+                       object.shape));
+    }
+
+private:
+    static Surface disc(const Affine& transform, const DiscShape& s) {
+        const Frame frame = make_frame(s.normal);
+        const glm::mat3 axes(s.radius * frame.s, s.radius * frame.t, s.radius * frame.n);
+        return DiscSurface{compose(transform, {axes, s.center})};
+    }
+
+    Surface mesh(std::size_t index, const MeshShape& shape) {
+        const Object& object = scene_.objects[index];
+        const std::string name = shape.file.string();
+        RepairedMesh repaired = repair_mesh(read_polygon_soup(shape.file), shape.normals, name);
+        if (subsurface(scene_, index) != nullptr) require_closed(object, name, repaired.report);
+        if (repaired.report.changed_anything())
+            geometry_.repair_reports.push_back(name + ": " + repaired.report.summary());
+        geometry_.mesh_hash.back() = hash_file(shape.file);
+        const Affine to_mm{glm::mat3(scene_.mm_per_unit), Vec3(0)};
+        return transform_mesh(std::move(repaired.mesh), compose(object.transform, to_mm));
+    }
+
+    const Scene& scene_;
+    SceneGeometry& geometry_;
+};
+
+}  // namespace
+
+SceneGeometry load_geometry(const Scene& scene) {
+    SceneGeometry geometry;
+    SurfaceLoader loader(scene, geometry);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) loader.load(i);
+    return geometry;
+}
+
+}  // namespace tallow

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "common/base/errors.h"
+#include "common/base/parallel.h"
+#include "common/base/tool_main.h"
+#include "common/cloud/cache_info.h"
+#include "common/cloud/cache_io.h"
+#include "common/scene/scene_yaml.h"
+#include "precompute/precompute.h"
+
+using namespace tallow;
+
+namespace {
+
+struct Arguments {
+    std::filesystem::path scene;
+    std::optional<std::filesystem::path> output, info, export_ply;
+    std::string spacing = "auto";
+    std::optional<double> tolerance;
+    std::optional<int> light_samples;
+    std::vector<std::string> overrides;
+};
+
+void declare(CommandLine& line, Arguments& a) {
+    line.positional("SCENE", a.scene, "Scene file (YAML or JSON)", false);
+    line.path("-o,--output", a.output, "Cache file to write, usually NAME.tallow");
+    line.text("--spacing", a.spacing,
+              "Distance of neighbouring samples in mm, or auto: 0.35 mean free paths at a "
+              "tolerance of 1 % [default: auto]",
+              "MM|auto");
+    line.number("--tolerance", a.tolerance, 0, 1, "a number in [0, 1]",
+                "Accepted relRMSE, used by --spacing auto [default: the scene's, or 0.01]");
+    line.integer("--light-samples", a.light_samples, 1, 65536, "an integer in [1, 65536]",
+                 "Shadow rays for each sample and area light [default: the scene's, or 16]");
+    line.text_list("--set", a.overrides,
+                   "Override a value of the scene, e.g. materials.wax.eta=1.4", "KEY=VALUE");
+    line.path("--info", a.info, "Print what a cache file holds, and stop");
+    line.path("--export-ply", a.export_ply,
+              "Write the samples with their irradiance as PLY points, of the cache made or shown");
+}
+
+void show_info(const Arguments& a) {
+    const MappedCache cache(*a.info);
+    fmt::print("{}", describe_cache(cache));
+    if (a.export_ply) export_ply(*a.export_ply, cache.view());
+}
+
+void make_cache(const Arguments& a, const CommonOptions& common) {
+    if (a.scene.empty()) throw UsageError("SCENE: expected a scene file");
+    if (!a.output) throw UsageError("--output: expected a cache file to write");
+    const ThreadLimit threads(common.threads);
+    Stats stats = make_stats("tallow-precompute", threads.threads());
+    PhaseTimer total(stats, "total");
+    Progress progress(common.quiet);
+
+    PrecomputeOptions options;
+    if (a.spacing != "auto")
+        options.spacing =
+            float(parse_number("--spacing", a.spacing, 1e-6, 1e6, "a number of mm > 0, or auto"));
+    Scene scene = load_scene(a.scene, a.overrides);
+    if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
+    if (a.light_samples) scene.settings.light_samples = *a.light_samples;
+
+    precompute(scene, options, *a.output, progress, stats);
+    if (a.export_ply) export_ply(*a.export_ply, MappedCache(*a.output).view());
+    total.stop();
+    if (common.stats) write_stats(*common.stats, stats);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Arguments arguments;
+    return tool_main(
+        "tallow-precompute",
+        "Pass one: samples the translucent surfaces of a scene, gathers the light that enters at "
+        "each sample and writes a cache file that serves every camera.",
+        argc, argv, [&](CommandLine& line) { declare(line, arguments); },
+        [&](const CommonOptions& common) {
+            if (arguments.info)
+                show_info(arguments);
+            else
+                make_cache(arguments, common);
+        });
+}

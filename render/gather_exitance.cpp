@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/gather_exitance.h"
+
+#include "common/base/parallel.h"
+
+namespace tallow {
+namespace {
+
+// Solid angle whose measured hierarchy error stays below a tolerance (relRMSE).
+float solid_angle_for(float tolerance) { return 20 * tolerance; }
+
+}  // namespace
+
+ExitanceField::ExitanceField(const LitSamples& samples, const Medium& medium, float tolerance)
+    : max_solid_angle_(solid_angle_for(tolerance)) {
+    const double A = mismatch_A(medium.eta);
+    std::vector<float> flux(samples.position.size());
+    for (int c = 0; c < 3; ++c) {
+        profile_[std::size_t(c)] = dipole_channel<float>(medium, c, A);
+        parallel_for(flux.size(), 8192,
+                     [&](std::size_t i) { flux[i] = samples.E_t[i][c] * samples.area[i]; });
+        sums_[std::size_t(c)] =
+            std::make_unique<PointSum>(samples.position, flux, samples.area, samples.nodes);
+    }
+}
+
+void ExitanceField::gather(std::span<const ExitancePoint> points, std::span<Rgb> exitance,
+                           std::span<std::uint32_t> evaluations) const {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::uint64_t calls = 0;
+        for (int c = 0; c < 3; ++c) {
+            const DipoleChannel<float>& profile = profile_[std::size_t(c)];
+            const auto kernel = [&](float r2) { return diffuse_reflectance(profile, r2); };
+            exitance[i][c] = float(sums_[std::size_t(c)]->evaluate(
+                points[i].position, max_solid_angle_, kernel, calls));
+        }
+        evaluations[i] += std::uint32_t(calls);
+    }
+}
+
+}  // namespace tallow

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/cloud/cache_io.h"
+#include "common/scene/scene.h"
+
+namespace tallow {
+
+/// The samples of one body that any light reaches, light groups added up with their scales, and
+/// the tree over them. A dark sample adds nothing to any sum, so it is dropped here once.
+struct LitSamples {
+    std::vector<Vec3> position;     // [sample] mm, in Morton order
+    std::vector<Rgb> E_t;           // [sample] W/mm^2, some channel > 0
+    std::vector<Vec3> w_i;          // [sample] mean direction of travel inside, see cache_format.h
+    std::vector<float> area;        // [sample] mm^2
+    std::vector<OctreeNode> nodes;  // depth first; every node owns at least one sample
+};
+
+/// `groups` are the scene's, in the order of the cache's.
+LitSamples light_samples(const BodyView& body, std::span<const LightGroup> groups);
+
+}  // namespace tallow

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "common/base/errors.h"
+#include "common/base/parallel.h"
+#include "common/base/tool_main.h"
+#include "common/cloud/cache_io.h"
+#include "common/cloud/scene_fingerprint.h"
+#include "common/image/exr_io.h"
+#include "common/image/png_io.h"
+#include "common/scene/scene_yaml.h"
+#include "render/film.h"
+#include "render/render_image.h"
+
+using namespace tallow;
+
+namespace {
+
+struct Arguments {
+    std::filesystem::path scene;
+    std::optional<std::filesystem::path> cache;
+    std::vector<std::string> outputs, overrides;
+    std::string camera, crop, aovs = "none";
+    std::optional<double> tolerance, exposure;
+    std::optional<int> samples;
+};
+
+void declare(CommandLine& line, Arguments& a) {
+    line.positional("SCENE", a.scene, "Scene file (YAML or JSON)");
+    line.path("--cache", a.cache,
+              "Cache file made by tallow-precompute; needed if the scene has translucent bodies");
+    line.text_list(
+        "-o,--output", a.outputs,
+        "Image to write: .exr holds linear radiance and layers, .png is tone-mapped; may "
+        "be given twice",
+        "IMAGE.exr|.png");
+    line.number("--tolerance", a.tolerance, 0, 1, "a number in [0, 1]",
+                "Accepted relRMSE of the hierarchical sum; 0 is the plain sum over all samples "
+                "[default: the scene's, or 0.01]");
+    line.integer("--samples", a.samples, 1, 65536, "an integer in [1, 65536]",
+                 "Camera rays a pixel [default: the scene's, or 16]");
+    line.text("--camera", a.camera, "Camera to use [default: the scene's first]", "NAME");
+    line.text("--crop", a.crop, "Render these pixels only; X1 and Y1 are not included",
+              "X0,Y0,X1,Y1");
+    line.text("--aovs", a.aovs,
+              fmt::format("Layers to add to an EXR, separated by commas: all, none or some of {} "
+                          "[default: none]",
+                          fmt::join(layer_names(), ", ")),
+              "LIST");
+    line.number("--exposure", a.exposure, -64, 64, "a number in [-64, 64]",
+                "Brightness of a PNG in stops [default: 0]");
+    line.text_list("--set", a.overrides, "Override a value of the scene, e.g. groups.key.scale=2",
+                   "KEY=VALUE");
+}
+
+std::vector<std::string> split(const std::string& list) {
+    std::vector<std::string> items(1);
+    for (char c : list)
+        if (c == ',')
+            items.emplace_back();
+        else
+            items.back() += c;
+    return items;
+}
+
+std::vector<std::string> parse_layers(const std::string& list) {
+    const auto known = layer_names();
+    if (list == "none") return {};
+    if (list == "all") return {known.begin(), known.end()};
+    const std::vector<std::string> layers = split(list);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        if (std::find(known.begin(), known.end(), layers[i]) == known.end())
+            throw UsageError(fmt::format("--aovs: expected all, none or some of {}, got '{}'",
+                                         fmt::join(known, ", "), layers[i]));
+        if (std::find(layers.begin(), layers.begin() + std::ptrdiff_t(i), layers[i]) !=
+            layers.begin() + std::ptrdiff_t(i))
+            throw UsageError(fmt::format("--aovs: '{}' is asked for twice", layers[i]));
+    }
+    return layers;
+}
+
+Tile parse_crop(const std::string& text, const Camera& camera) {
+    if (text.empty()) return {0, 0, camera.width, camera.height};
+    const std::vector<std::string> items = split(text);
+    const std::string expected =
+        fmt::format("four integers X0,Y0,X1,Y1 inside {} x {} pixels", camera.width, camera.height);
+    const auto fail = [&] {
+        return UsageError(fmt::format("--crop: expected {}, got '{}'", expected, text));
+    };
+    if (items.size() != 4) throw fail();
+    int v[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+        const int limit = i % 2 == 0 ? camera.width : camera.height;
+        const double value = parse_number("--crop", items[i], 0, limit, expected);
+        v[i] = int(value);
+        if (value != v[i]) throw fail();
+    }
+    if (v[0] >= v[2] || v[1] >= v[3]) throw fail();
+    return {v[0], v[1], v[2], v[3]};
+}
+
+int find_camera(const Scene& scene, const std::string& name) {
+    if (name.empty()) return 0;
+    std::vector<std::string> names;
+    for (const Camera& camera : scene.cameras) {
+        if (camera.name == name) return int(names.size());
+        names.push_back(camera.name);
+    }
+    throw UsageError(
+        fmt::format("--camera: expected one of {}, got '{}'", fmt::join(names, ", "), name));
+}
+
+void require_image_names(const std::vector<std::string>& outputs) {
+    if (outputs.empty()) throw UsageError("--output: expected an image to write");
+    for (const std::filesystem::path name : outputs)
+        if (name.extension() != ".exr" && name.extension() != ".png")
+            throw UsageError(
+                fmt::format("--output: expected a name ending in .exr or .png, got "
+                            "'{}'",
+                            name.string()));
+}
+
+/// The cache, checked against the scene; an empty one if nothing in the scene needs it.
+std::optional<MappedCache> open_cache(const Arguments& a, const Scene& scene,
+                                      const SceneGeometry& geometry) {
+    bool needed = false;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        needed = needed || subsurface(scene, i) != nullptr;
+    if (!a.cache) {
+        if (needed)
+            throw UsageError(
+                "--cache: expected a cache file, because the scene has translucent "
+                "bodies; make one with tallow-precompute");
+        return std::nullopt;
+    }
+    MappedCache cache(*a.cache);
+    require_fingerprint(*a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
+    return cache;
+}
+
+void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Camera& camera,
+                  const CacheView& cache, const Stats& stats) {
+    image.metadata = {
+        {"tallow/scene", a.scene.string()},
+        {"tallow/camera", camera.name},
+        {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
+        {"tallow/tolerance", fmt::format("{}", scene.settings.tolerance)},
+        {"tallow/samples", fmt::format("{}", scene.settings.samples)},
+        {"tallow/version", stats.versions.at("tallow")},
+    };
+}
+
+void render(const Arguments& a, const CommonOptions& common) {
+    require_image_names(a.outputs);
+    RenderOptions options;
+    options.layers = parse_layers(a.aovs);
+    const ThreadLimit threads(common.threads);
+    Stats stats = make_stats("tallow-render", threads.threads());
+    PhaseTimer total(stats, "total");
+    Progress progress(common.quiet);
+
+    PhaseTimer load_timer(stats, "load");
+    Scene scene = load_scene(a.scene, a.overrides);
+    if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
+    if (a.samples) scene.settings.samples = *a.samples;
+    options.camera = find_camera(scene, a.camera);
+    const Camera& camera = scene.cameras[std::size_t(options.camera)];
+    options.crop = parse_crop(a.crop, camera);
+    const SceneGeometry geometry = load_geometry(scene);
+    load_timer.stop();
+
+    PhaseTimer map_timer(stats, "map");
+    const std::optional<MappedCache> cache = open_cache(a, scene, geometry);
+    map_timer.stop();
+    const CacheView view = cache ? cache->view() : CacheView{};
+
+    Image image = render_image(scene, geometry, view, options, progress, stats, threads.threads());
+
+    PhaseTimer write_timer(stats, "write");
+    add_metadata(image, a, scene, camera, view, stats);
+    for (const std::filesystem::path output : a.outputs) {
+        if (output.extension() == ".exr")
+            write_exr(output, image);
+        else
+            write_png(output, image, float(a.exposure.value_or(0)));
+        progress.note(fmt::format("wrote {}", output.string()));
+    }
+    write_timer.stop();
+    total.stop();
+    if (common.stats) write_stats(*common.stats, stats);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Arguments arguments;
+    return tool_main(
+        "tallow-render",
+        "Pass two: renders a camera's image from a scene and the cache that tallow-precompute made "
+        "of it.",
+        argc, argv, [&](CommandLine& line) { declare(line, arguments); },
+        [&](const CommonOptions& common) { render(arguments, common); });
+}

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pixels -> what is seen in them: camera rays and their chains of mirror reflections.
+#include "render/primary_hits.h"
+
+#include <fmt/format.h>
+
+#include "common/base/errors.h"
+#include "common/base/rng.h"
+#include "common/optics/fresnel.h"
+
+namespace tallow {
+namespace {
+
+// A chain ends when it carries less than this. Chosen: below the last bit of an 8-bit picture even
+// in the mirror image of a light a thousand times brighter than white.
+constexpr float kLeastThroughput = 1e-6f;
+
+Rgb mirror_reflectance(const Material& material, float cos_o) {
+    if (const auto* mirror = std::get_if<MirrorMaterial>(&material.kind))
+        return mirror->reflectance;
+    if (const auto* plastic = std::get_if<PlasticMaterial>(&material.kind))
+        return Rgb(fresnel_reflectance(plastic->eta, cos_o));
+    if (const auto* body = std::get_if<SubsurfaceMaterial>(&material.kind))
+        return Rgb(fresnel_reflectance(body->medium.eta, cos_o));
+    return Rgb(0);
+}
+
+// Turns the normals to the side of w_o. Opaque surfaces have two sides. On bodies w_o is outside,
+// but an interpolated normal can still point away from it: then the geometric one is used.
+void face(Hit& hit, Vec3 w_o) {
+    if (glm::dot(hit.n_g, w_o) < 0) hit.n_g = -hit.n_g, hit.n = -hit.n;
+    if (glm::dot(hit.n, w_o) <= 0) hit.n = hit.n_g;
+}
+
+class PathTracer {
+public:
+    PathTracer(const Scene& scene, const RayScene& rays, PrimaryHits& result)
+        : scene_(scene), rays_(rays), result_(result) {}
+
+    void follow(Ray ray, std::uint32_t pixel, std::uint64_t seed, Rgb throughput) {
+        for (std::uint32_t depth = 0; depth <= kMaxMirrorDepth; ++depth) {
+            std::optional<Hit> hit = rays_.intersect(ray);
+            if (add_nearer_light(ray, hit ? hit->t : kInfinity, pixel, depth, throughput)) return;
+            if (!hit) return;
+            const Vec3 w_o = -ray.direction;
+            face(*hit, w_o);
+            result_.points.push_back({pixel, depth, mix_bits(seed + depth), *hit, w_o, throughput});
+
+            const Material& material = scene_.materials[scene_.objects[hit->object].material];
+            throughput *= mirror_reflectance(material, glm::dot(hit->n, w_o));
+            if (max_channel(throughput) < kLeastThroughput) return;
+            Vec3 direction = reflect(w_o, hit->n);
+            if (glm::dot(direction, hit->n_g) <= 0) direction = reflect(w_o, hit->n_g);
+            ray = {offset_origin(hit->position, hit->n_g, direction), glm::normalize(direction)};
+        }
+    }
+
+private:
+    // The nearest light before `limit`, if any; an environment is behind everything.
+    bool add_nearer_light(const Ray& ray, float limit, std::uint32_t pixel, std::uint32_t depth,
+                          Rgb throughput) {
+        std::optional<Emission> nearest;
+        for (const Light& light : scene_.lights) {
+            std::optional<Emission> seen = see_light(light, ray);
+            if (!seen || seen->t > limit || (nearest && nearest->t <= seen->t)) continue;
+            seen->radiance *= scene_.groups[light.group].scale;
+            nearest = seen;
+        }
+        if (!nearest) return false;
+        // At equal infinite distance a hit cannot be: limit is infinite only if nothing was hit.
+        result_.lights.push_back({pixel, depth, throughput * nearest->radiance});
+        return true;
+    }
+
+    const Scene& scene_;
+    const RayScene& rays_;
+    PrimaryHits& result_;
+};
+
+}  // namespace
+
+PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
+                              const Tile& tile, int samples) {
+    PrimaryHits result;
+    result.points.reserve(tile.pixels() * std::size_t(samples));
+    PathTracer tracer(scene, rays, result);
+    std::uint32_t pixel = 0;
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x, ++pixel) {
+            const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
+            for (int k = 0; k < samples; ++k) {
+                // One sample sits at the pixel's centre, more are spread over its square.
+                const Vec2 u = samples == 1 ? Vec2(0.5f) : sobol_2d(std::uint32_t(k), pixel_seed);
+                const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y);
+                tracer.follow(ray, pixel, mix_bits(pixel_seed + std::uint64_t(k) + 1),
+                              Rgb(1.0f / float(samples)));
+            }
+        }
+    return result;
+}
+
+void require_camera_outside(const Scene& scene, const RayScene& rays, const Camera& camera) {
+    const Ray view{camera.position, glm::normalize(camera.look_at - camera.position)};
+    for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
+        if (subsurface(scene, object) == nullptr) continue;
+        const auto hit = rays.intersect_object(view, object);
+        if (hit && glm::dot(hit->n_g, view.direction) > 0)
+            throw InputError(
+                fmt::format("{}: camera '{}' is inside this translucent body; move "
+                            "it outside",
+                            scene.objects[object].where, camera.name));
+    }
+}
+
+}  // namespace tallow

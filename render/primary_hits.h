@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/ray_scene.h"
+#include "common/scene/scene.h"
+
+namespace tallow {
+
+/// A rectangle of pixels: x0 <= x < x1, y0 <= y < y1.
+struct Tile {
+    int x0, y0, x1, y1;
+    int width() const { return x1 - x0; }
+    std::size_t pixels() const { return std::size_t(x1 - x0) * std::size_t(y1 - y0); }
+};
+
+/// A surface seen in a pixel, directly or in mirrors. hit.n faces w_o.
+struct ShadingPoint {
+    std::uint32_t pixel;  // index in the tile, row by row
+    std::uint32_t depth;  // number of mirror reflections before it; 0 is seen directly
+    std::uint64_t seed;   // of the random decisions made here
+    Hit hit;
+    Vec3 w_o;  // unit, towards where it is seen from
+    Rgb throughput;
+};
+
+/// A light seen in a pixel, directly or in mirrors.
+struct SeenLight {
+    std::uint32_t pixel;
+    std::uint32_t depth;
+    Rgb radiance;  // throughput applied
+};
+
+struct PrimaryHits {
+    std::vector<ShadingPoint> points;  // neighbouring pixels follow one another
+    std::vector<SeenLight> lights;
+};
+
+/// Most mirror reflections that a camera ray follows. Chosen: a path between two smooth dielectrics
+/// carries less than 1e-10 by then; facing mirrors go dark beyond.
+inline constexpr std::uint32_t kMaxMirrorDepth = 8;
+
+/// Sends `samples` stratified camera rays through each pixel of a tile and follows them over mirror
+/// reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies, weighted
+/// with the Fresnel reflectance. Weights (throughputs and radiances) are divided by `samples`.
+///
+/// Throws   InputError if the camera is inside a translucent body.
+PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
+                              const Tile& tile, int samples);
+
+/// Refuses a camera inside a translucent body: the method sees bodies from outside. Throws
+/// InputError.
+void require_camera_outside(const Scene& scene, const RayScene& rays, const Camera& camera);
+
+}  // namespace tallow

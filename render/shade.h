@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/geometry/ray_scene.h"
+#include "common/scene/scene.h"
+#include "render/primary_hits.h"
+
+namespace tallow {
+
+/// Factors of a translucent material that do not change from point to point.
+struct SurfaceFactors {
+    float eta;
+    float exit_norm;  // 1, or 2 * integral of F_t mu for Exit::normalized
+};
+SurfaceFactors surface_factors(const SubsurfaceMaterial& material);
+
+/// T(w_o) of L = M / pi * T(w_o): F_t(eta, cos_o), divided by its hemispherical mean for
+/// Exit::normalized. Source: [JMLH01] eq. 5 and 8, with the constant that keeps energy.
+float exit_factor(const SurfaceFactors& factors, float cos_o);
+
+/// Direct light on a diffuse or plastic surface, reflected towards point.w_o; zero for mirrors.
+///
+///     diffuse   L = rho / pi * E
+///     plastic   L = rho / (1 - rho F_dr) * E_t / (pi eta^2) * F_t(eta, cos_o)
+///
+/// Each area light gets `light_samples` shadow rays.
+Rgb reflect_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
+                         int light_samples);
+
+/// Colour of a material for the albedo layer: the share of light that it gives back.
+Rgb albedo(const Material& material);
+
+}  // namespace tallow
