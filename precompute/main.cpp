@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "common/base/errors.h"
 #include "common/base/parallel.h"
 #include "common/base/tool_main.h"
@@ -29,7 +31,7 @@ void declare(CommandLine& line, Arguments& a) {
               "Distance of neighbouring samples in mm, or auto: 0.35 mean free paths at a "
               "tolerance of 1 % [default: auto]",
               "MM|auto");
-    line.number("--tolerance", a.tolerance, 0, 1, "a number in [0, 1]",
+    line.number("--tolerance", a.tolerance, 0, std::nextafter(1.0, 0.0), "a number in [0, 1)",
                 "Accepted relRMSE, used by --spacing auto [default: the scene's, or 0.01]");
     line.integer("--light-samples", a.light_samples, 1, 65536, "an integer in [1, 65536]",
                  "Shadow rays for each sample and area light [default: the scene's, or 16]");

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/errors.h"
 #include "common/base/parallel.h"
@@ -37,7 +38,7 @@ void declare(CommandLine& line, Arguments& a) {
         "Image to write: .exr holds linear radiance and layers, .png is tone-mapped; may "
         "be given twice",
         "IMAGE.exr|.png");
-    line.number("--tolerance", a.tolerance, 0, 1, "a number in [0, 1]",
+    line.number("--tolerance", a.tolerance, 0, std::nextafter(1.0, 0.0), "a number in [0, 1)",
                 "Accepted relRMSE of the hierarchical sum; 0 is the plain sum over all samples "
                 "[default: the scene's, or 0.01]");
     line.integer("--samples", a.samples, 1, 65536, "an integer in [1, 65536]",

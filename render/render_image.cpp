@@ -18,12 +18,11 @@ namespace {
 
 constexpr int kTileSize = 32;
 
-// Depths of the ray march through a body, each of one camera ray. Chosen: 0.5 % of the single
-// scattering of marble, a tenth of that in the picture; halves with every doubling.
-constexpr int kMarchSteps = 16;
-
-// Shadow rays a pixel and area light on opaque surfaces, shared by its camera rays.
-constexpr int kShadowRaysPerPixel = 64;
+// Depths of the ray march through a body and shadow rays to each area light on opaque surfaces: so
+// many a pixel, shared by its camera rays, but at least so many each. Chosen: the noise of single
+// scattering is then about 1 % of itself, a tenth of that in the picture; half with twice as many.
+constexpr int kMarchStepsPerPixel = 64, kLeastMarchSteps = 4;
+constexpr int kShadowRaysPerPixel = 64, kLeastShadowRays = 1;
 
 /// A translucent body ready to be shaded.
 struct Body {
@@ -137,18 +136,19 @@ private:
     }
 
     void add_single_scattering() {
+        const int steps = std::max(kLeastMarchSteps, kMarchStepsPerPixel / scene_.settings.samples);
         for (const ShadingPoint& point : hits_.points) {
             const auto& body = bodies_[point.hit.object];
             if (!body || body->material->single_scattering == Switch::off) continue;
             add(point, &Pixel::single,
                 single_scatter(scene_, rays_, geometry_.surfaces[point.hit.object],
-                               body->material->medium, point.hit, point.w_o, kMarchSteps,
-                               point.seed));
+                               body->material->medium, point.hit, point.w_o, steps, point.seed));
         }
     }
 
     void add_reflected_light() {
-        const int light_samples = std::max(1, kShadowRaysPerPixel / scene_.settings.samples);
+        const int light_samples =
+            std::max(kLeastShadowRays, kShadowRaysPerPixel / scene_.settings.samples);
         for (const ShadingPoint& point : hits_.points)
             if (!bodies_[point.hit.object])
                 add(point, &Pixel::diffuse,

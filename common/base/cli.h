@@ -18,7 +18,9 @@ struct CommonOptions {
 
 /// Our thin layer over CLI11: typed flags whose values are parsed whole ("1.5mm" is not 1.5, nor
 /// is "0.5" an integer), finite and in range, or UsageError says which flag wanted what. The help
-/// text shows units and defaults. Each call binds a variable that must outlive parsing.
+/// text shows units and defaults: a variable's value before parsing is its default. Each call binds
+/// a variable that must outlive parsing; names are "--output" or "-o,--output". Only text_list()
+/// may be given more than once.
 class CommandLine {
 public:
     CommandLine(const std::string& tool, const std::string& description);

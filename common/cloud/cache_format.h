@@ -56,11 +56,11 @@ static_assert(sizeof(SectionEntry) == 40);
 
 /// A translucent body that was sampled.
 struct BodyRecord {
-    std::uint32_t object;        // index of the object in the scene
+    std::uint32_t object;  // index of the object in the scene
     std::uint32_t sample_count;
     std::uint32_t node_count;
-    float spacing_mm;            // wished-for distance of neighbouring samples
-    double area_mm2;             // of the surface; the samples' areas sum to it
+    float spacing_mm;  // wished-for distance of neighbouring samples
+    double area_mm2;   // of the surface; the samples' areas sum to it
 };
 static_assert(sizeof(BodyRecord) == 24);
 

@@ -33,9 +33,9 @@ inline constexpr int kMortonBits = 21;
 /// The light of one light group on the samples of one body, its group scale not applied.
 struct GroupIrradianceView {
     std::span<const Rgb> E_t;   // [sample] transmitted irradiance, W/mm^2
-    std::span<const Vec3> w_i;  // [sample] mean refracted direction of the light, towards the
-                                // light's side (out of the body), weighted by the channel mean of
-                                // E_t; length <= 1; zero where E_t is zero
+    std::span<const Vec3> w_i;  // [sample] mean direction in which the light travels just inside
+                                // the surface, weighted by the channel mean of E_t; length <= 1;
+                                // zero where E_t is zero
 };
 
 }  // namespace tallow

@@ -1,1 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
+//
+// File name in, polygons out: reads the file whole, hands it to the reader of its format, and
+// checks what all formats have in common.
+
+#include "common/geometry/mesh_io.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "common/base/errors.h"
+#include "common/geometry/mesh_readers.h"
+
+namespace tallow {
+
+namespace {
+
+using Reader = PolygonSoup (*)(const MeshFile&);
+
+Reader reader_for(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (extension == ".ply") return read_ply;
+    if (extension == ".obj") return read_obj;
+    if (extension == ".off") return read_off;
+    if (extension == ".stl") return read_stl;
+    throw InputError(fmt::format("{}: expected a mesh file .ply, .obj, .off or .stl, got '{}'",
+                                 file.string(), extension));
+}
+
+MeshFile load(const std::filesystem::path& file) {
+    std::error_code error;
+    const auto status = std::filesystem::status(file, error);
+    if (status.type() == std::filesystem::file_type::not_found)
+        throw InputError(file.string() + ": no such file");
+    if (!std::filesystem::is_regular_file(status))
+        throw InputError(file.string() + ": expected a file, got a directory or device");
+    MeshFile loaded{file.string(), std::string(std::filesystem::file_size(file, error), '\0')};
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream.read(loaded.bytes.data(), static_cast<std::streamsize>(loaded.bytes.size())))
+        throw InputError(fmt::format("{}: cannot read: {}", loaded.name, std::strerror(errno)));
+    if (loaded.bytes.empty())
+        throw InputError(loaded.name + ": expected a mesh, got an empty file");
+    return loaded;
+}
+
+void check_vertices(const std::string& name, const PolygonSoup& soup) {
+    if (soup.vertices.size() > std::numeric_limits<std::uint32_t>::max())
+        throw InputError(fmt::format("{}: {} vertices are more than 32 bits can count", name,
+                                     soup.vertices.size()));
+    for (std::size_t i = 0; i < soup.vertices.size(); ++i)
+        if (const Vec3 v = soup.vertices[i]; !is_finite(v))
+            throw InputError(
+                fmt::format("{}: vertex {}: expected a finite position, got ({}, {}, {})", name, i,
+                            v.x, v.y, v.z));
+    for (std::size_t i = 0; i < soup.normals.size(); ++i)
+        if (const Vec3 n = soup.normals[i]; !is_finite(n))
+            throw InputError(
+                fmt::format("{}: vertex {}: expected a finite normal, got ({}, {}, {})", name, i,
+                            n.x, n.y, n.z));
+}
+
+void check_polygons(const std::string& name, const PolygonSoup& soup) {
+    if (soup.polygons.empty()) throw InputError(name + ": expected at least one face, got none");
+    for (std::size_t i = 0; i < soup.polygons.size(); ++i) {
+        const auto& polygon = soup.polygons[i];
+        if (polygon.size() < 3)
+            throw InputError(fmt::format("{}: face {}: expected at least three corners, got {}",
+                                         name, i, polygon.size()));
+        for (const std::uint32_t v : polygon)
+            if (v >= soup.vertices.size())
+                throw InputError(fmt::format("{}: face {}: vertex {} out of range ({} vertices)",
+                                             name, i, v, soup.vertices.size()));
+    }
+}
+
+}  // namespace
+
+PolygonSoup read_polygon_soup(const std::filesystem::path& file) {
+    const Reader read = reader_for(file);
+    const MeshFile loaded = load(file);
+    PolygonSoup soup = read(loaded);
+    check_vertices(loaded.name, soup);
+    check_polygons(loaded.name, soup);
+    return soup;
+}
+
+}  // namespace tallow

@@ -13,10 +13,11 @@ namespace tallow {
 struct RepairReport {
     std::size_t merged_vertices = 0;        ///< coincident vertices joined
     std::size_t unused_vertices = 0;        ///< vertices that no polygon used, dropped
-    std::size_t degenerate_faces = 0;       ///< of zero area or with repeated corners, dropped
+    std::size_t degenerate_faces = 0;       ///< of zero area or with repeated corners, removed
     std::size_t duplicate_faces = 0;        ///< the same corners twice, dropped
     std::size_t split_vertices = 0;         ///< non-manifold vertices and edges taken apart
     std::size_t triangulated_polygons = 0;  ///< polygons of more than three corners, cut
+    std::size_t flipped_faces = 0;          ///< faces turned to agree with their neighbours
     std::size_t flipped_components = 0;     ///< connected components turned to face outward
     std::size_t components = 0;             ///< connected components of the result
     std::size_t boundary_loops = 0;         ///< 0 for a closed mesh

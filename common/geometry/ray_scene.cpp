@@ -303,9 +303,12 @@ std::optional<Hit> RayScene::intersect_object(const Ray& ray, std::uint32_t obje
 }
 
 bool RayScene::occluded(const ShadowRay& ray) const {
-    bool result;
-    occluded(std::span(&ray, 1), std::span(&result, 1));
-    return result;
+    RTCRay query = embree_ray({ray.origin, ray.direction}, ray.length);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(impl_->scene, &context, &query);
+    return query.tfar < 0 ||
+           impl_->intersect_planes({ray.origin, ray.direction}, ray.length).has_value();
 }
 
 void RayScene::occluded(std::span<const ShadowRay> rays, std::span<bool> result) const {

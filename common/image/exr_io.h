@@ -12,7 +12,9 @@ namespace tallow {
 /// picture. Throws OutputError.
 void write_exr(const std::filesystem::path& file, const Image& image);
 
-/// Reads every channel of a scan-line or tiled EXR as float. Throws InputError.
+/// Reads every channel of a scan-line or tiled EXR as float, channels in alphabetical order, string
+/// attributes as metadata. Throws InputError for files that are damaged, have several parts, deep
+/// or subsampled channels, or claim more pixels than a file of their size can hold.
 Image read_exr(const std::filesystem::path& file);
 
 }  // namespace tallow

@@ -5,12 +5,23 @@
 #include <string>
 #include <vector>
 
+#include "common/base/rgb.h"
 #include "common/optics/medium.h"
 
 namespace tallow {
 
-/// The measured media of data/materials.yaml, by lower-case name ("marble", "skimmilk").
-/// The table is compiled into the library, so that programs need no data folder.
+/// A measured medium of data/materials.yaml.
+struct Preset {
+    std::string name;  // lower case: "marble", "skimmilk"
+    Medium medium;
+    Rgb printed_reflectance;  // diffuse reflectance as the source prints it, in linear RGB
+    std::string source;       // key of docs/REFERENCES.md
+};
+
+/// All presets, sorted by name. The table is compiled into the library, so that programs need no
+/// data folder.
+const std::vector<Preset>& presets();
+
 std::optional<Medium> find_preset(const std::string& name);
 
 /// Names of all presets, sorted.

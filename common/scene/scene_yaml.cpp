@@ -1,1 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
+// Scene file -> Scene. This file reads the sections that are short; materials, objects and lights
+// have files of their own. Everything is validated here, once: behind it nobody asks again.
+#include "common/scene/scene_yaml.h"
+
+#include "common/scene/geometry_yaml.h"
+#include "common/scene/lights_yaml.h"
+#include "common/scene/materials_yaml.h"
+#include "common/scene/objects_yaml.h"
+#include "common/scene/yaml_map.h"
+#include "common/scene/yaml_override.h"
+
+namespace tallow {
+namespace {
+
+constexpr int kLargestCount = 65536;  // of pixels along an edge, and of samples
+
+float read_unit(const YamlMap& scene) {
+    return scene.choice_or("unit", {{"mm", 1.0f}, {"cm", 10.0f}, {"m", 1000.0f}}, 1.0f);
+}
+
+Camera read_camera(const YamlEntry& entry, const LengthReader& lengths) {
+    constexpr Range kFieldOfView{0, 180, "an angle in (0, 180) degrees", true, true};
+    require_name(entry.key_where, entry.key);
+    const YamlMap map(entry.value, entry.key);
+    map.choice<int>("type", {{"perspective", 0}});
+    map.allow_only({"type", "position", "look_at", "up", "fov_deg", "resolution"});
+    const View view = read_view(map, lengths);
+    const float fov_deg = map.number("fov_deg", kFieldOfView);
+    const auto& resolution =
+        yaml_items(map.at("resolution"), "resolution", 2, "two integers [width, height]");
+    return {entry.key,
+            view.position,
+            view.look_at,
+            view.up,
+            glm::radians(fov_deg),
+            yaml_integer(resolution[0], "resolution", 1, kLargestCount),
+            yaml_integer(resolution[1], "resolution", 1, kLargestCount)};
+}
+
+std::vector<Camera> read_cameras(const YamlNode& section, const LengthReader& lengths) {
+    std::vector<Camera> cameras;
+    for (const YamlEntry& entry : YamlMap(section, "cameras").entries())
+        cameras.push_back(read_camera(entry, lengths));
+    if (cameras.empty()) fail_expected(section, "cameras", "at least one camera");
+    return cameras;
+}
+
+Settings read_settings(const YamlNode& section) {
+    constexpr Range kTolerance{0, 1, "a number in [0, 1)", false, true};
+    const YamlMap map(section, "settings");
+    map.allow_only({"tolerance", "samples", "light_samples"});
+    Settings settings;
+    settings.tolerance = map.number_or("tolerance", kTolerance, settings.tolerance);
+    settings.samples = map.integer_or("samples", 1, kLargestCount, settings.samples);
+    settings.light_samples =
+        map.integer_or("light_samples", 1, kLargestCount, settings.light_samples);
+    return settings;
+}
+
+Scene read_scene(YamlNode root, const std::filesystem::path& file,
+                 const std::vector<std::string>& overrides) {
+    for (const std::string& override_text : overrides) apply_override(root, override_text);
+
+    const YamlMap map(root, "scene");
+    map.allow_only({"unit", "cameras", "materials", "objects", "lights", "groups", "settings"});
+    Scene scene;
+    scene.file = file;
+    scene.mm_per_unit = read_unit(map);
+    const LengthReader lengths{scene.mm_per_unit};
+    scene.cameras = read_cameras(map.at("cameras"), lengths);
+    if (map.has("materials")) scene.materials = read_materials(map.at("materials"));
+    if (map.has("objects"))
+        scene.objects =
+            read_objects(map.list("objects"), scene.materials, file.parent_path(), lengths);
+    if (map.has("lights")) read_lights(map.list("lights"), lengths, scene);
+    if (map.has("groups")) read_groups(map.at("groups"), scene);
+    if (map.has("settings")) scene.settings = read_settings(map.at("settings"));
+    return scene;
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+    return read_scene(read_yaml(file), file, overrides);
+}
+
+Scene parse_scene(std::string_view text, const std::filesystem::path& file,
+                  const std::vector<std::string>& overrides) {
+    return read_scene(parse_yaml(text, file.string()), file, overrides);
+}
+
+}  // namespace tallow

@@ -11,9 +11,10 @@ namespace tallow::sculpt {
 
 /// The sculpture as a signed distance function.
 ///
-/// Units    mm. About 40 tall; y is up, the ground is y = 0, the calf faces +z, its left is +x.
-/// Error    a distance only near the surface: carving and bending cost up to a factor of about 2
-///          elsewhere. The sign is right everywhere.
+/// Units    mm. 43 tall to the tip of the trunk, 38 to the crown; y is up, the ground is y = 0,
+///          the calf faces +z, its left is +x.
+/// Error    a distance only roughly, and only near the surface: its gradient there has a length
+///          near 1, but of 0.1 to 5 in the sharpest creases. The sign is what counts.
 class Elephant {
 public:
     Elephant();
@@ -27,13 +28,14 @@ public:
 private:
     struct Foot {
         Frame frame;  // z out through the sole, y towards the middle toe
-        double radius, half_height, toe_spread_rad;
+        double radius, half_height;
+        double toe_spread_rad, toe_tilt_rad;  // from toe to toe; of the nails towards the sole
         int toes;
     };
 
     Vec on_surface(Vec p) const;
     void place_legs(double side);
-    void place_ear(double side, double swept_back_rad);
+    void place_ear(double side, double swept_back_rad, double raised_rad);
     void place_eye(double side);
     void engrave(const Frame& frame, const std::vector<Vec>& chain, double width, double depth);
     void engrave_skin();

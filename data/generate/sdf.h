@@ -89,13 +89,6 @@ inline double rounded_cylinder(Vec p, double radius, double half_height, double 
            rounding;
 }
 
-/// Distance from p to the segment a b.
-inline double segment_distance(Vec p, Vec a, Vec b) {
-    const Vec ab = b - a, ap = p - a;
-    const double t = std::clamp(dot(ap, ab) / dot(ab, ab), 0.0, 1.0);
-    return length(ap - t * ab);
-}
-
 /// A limb: a tube of varying radius along a uniform cubic B-spline, which has continuous curvature
 /// and therefore shows no creases. It starts and ends at the first and last knot, with round caps.
 class Limb {
@@ -157,14 +150,15 @@ public:
 private:
     static constexpr int kSamples = 8;  // coarse samples per knot; only starts Newton's method
 
-    /// Control point i, with phantom points mirrored past both ends.
+    /// Control point i, with phantom points mirrored past both ends. Their radii make the tube end
+    /// with constant radius, so that it meets its round cap without a crease.
     Knot control(int i) const {
         const int n = static_cast<int>(knots_.size()) - 1;
         if (i < 0) return mirrored(knots_[0], knots_[1]);
         if (i > n) return mirrored(knots_[n], knots_[n - 1]);
         return knots_[i];
     }
-    static Knot mirrored(const Knot& a, const Knot& b) { return {2 * a.p - b.p, 2 * a.r - b.r}; }
+    static Knot mirrored(const Knot& a, const Knot& b) { return {2 * a.p - b.p, b.r}; }
 
     /// Sum of the four control points around t with the weights w[0..3].
     Knot blend(int i, const double (&w)[4]) const {
@@ -205,7 +199,7 @@ private:
 };
 
 /// A closed outline in the plane, given by a few control points and smoothed by a cubic B-spline.
-/// Control points run counter-clockwise; only x and y are used.
+/// Only x and y of the control points are used.
 class Outline {
 public:
     explicit Outline(const std::vector<Vec>& control) {
@@ -213,11 +207,10 @@ public:
         for (std::size_t i = 0; i < n; ++i)
             for (int j = 0; j < kSamples; ++j) {
                 const double u = double(j) / kSamples, v = 1 - u;
-                points_.push_back(
-                    (v * v * v / 6) * control[i] +
-                    ((4 - 6 * u * u + 3 * u * u * u) / 6) * control[(i + 1) % n] +
-                    ((4 - 6 * v * v + 3 * v * v * v) / 6) * control[(i + 2) % n] +
-                    (u * u * u / 6) * control[(i + 3) % n]);
+                points_.push_back((v * v * v / 6) * control[i] +
+                                  ((4 - 6 * u * u + 3 * u * u * u) / 6) * control[(i + 1) % n] +
+                                  ((4 - 6 * v * v + 3 * v * v * v) / 6) * control[(i + 2) % n] +
+                                  (u * u * u / 6) * control[(i + 3) % n]);
             }
     }
 
@@ -262,7 +255,8 @@ public:
             if (const double d = length(ap - t * ab); d < best) best = d, where = double(i) + t;
         }
         const double u = 2 * where / double(points_.size() - 1) - 1;  // -1 and 1 at the ends
-        return depth_ * bump(best / width_) * (1 - u * u * u * u);
+        const double fade = 1 - u * u;
+        return depth_ * fade * bump(best / (width_ * (0.5 + 0.5 * fade)));
     }
 
 private:

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -12,19 +8,9 @@
 
 namespace tallow {
 
-/// Writes `text` as scene.yaml into a folder of the running test, and names the file.
-inline std::filesystem::path write_scene(const std::string& text) {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    const auto folder = std::filesystem::path(TALLOW_TEST_OUT) / "scene" / test->name();
-    std::filesystem::create_directories(folder);
-    const auto file = folder / "scene.yaml";
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-}
-
-/// Loads `text` as if it were a file.
+/// `text` as if it stood in folder/scene.yaml.
 inline Scene scene_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
-    return load_scene(write_scene(text), overrides);
+    return parse_scene(text, "folder/scene.yaml", overrides);
 }
 
 /// The shortest camera that is valid; one line, so that what follows starts on line 2.
