@@ -7,6 +7,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/parallel.h"
+#include "common/base/parse_whole.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
 #include "common/cloud/scene_fingerprint.h"
@@ -85,19 +86,19 @@ std::vector<std::string> parse_layers(const std::string& list) {
 
 Tile parse_crop(const std::string& text, const Camera& camera) {
     if (text.empty()) return {0, 0, camera.width, camera.height};
-    const std::vector<std::string> items = split(text);
-    const std::string expected =
-        fmt::format("four integers X0,Y0,X1,Y1 inside {} x {} pixels", camera.width, camera.height);
     const auto fail = [&] {
-        return UsageError(fmt::format("--crop: expected {}, got '{}'", expected, text));
+        return UsageError(fmt::format(
+            "--crop: expected four integers X0,Y0,X1,Y1 inside {} x {} pixels, got '{}'",
+            camera.width, camera.height, text));
     };
+    const std::vector<std::string> items = split(text);
     if (items.size() != 4) throw fail();
     int v[4];
     for (std::size_t i = 0; i < 4; ++i) {
-        const int limit = i % 2 == 0 ? camera.width : camera.height;
-        const double value = parse_number("--crop", items[i], 0, limit, expected);
-        v[i] = int(value);
-        if (value != v[i]) throw fail();
+        const std::optional<int> value = parse_whole<int>(items[i]);
+        if (!value || *value < 0 || *value > (i % 2 == 0 ? camera.width : camera.height))
+            throw fail();
+        v[i] = *value;
     }
     if (v[0] >= v[2] || v[1] >= v[3]) throw fail();
     return {v[0], v[1], v[2], v[3]};

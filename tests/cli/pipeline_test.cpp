@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// Both programs and the file between them, as a user runs them.
+#include <gtest/gtest.h>
+
+#include "common/base/vec.h"
+#include "common/image/exr_io.h"
+#include "common/optics/dipole.h"
+#include "common/optics/fresnel.h"
+#include "tests/support/process.h"
+#include "tests/support/test_files.h"
+
+namespace tallow::test {
+namespace {
+
+using std::filesystem::path;
+
+// A pyramid over a square; four-cornered base, outward.
+constexpr const char* kPyramid =
+    "OFF\n5 5 0\n-4 0 -4\n4 0 -4\n4 0 4\n-4 0 4\n0 7 0\n4 0 1 2 3\n3 4 3 2\n3 4 2 1\n3 4 1 0\n3 4 "
+    "0 3\n";
+
+constexpr const char* kPyramidScene = R"(
+cameras:
+  main: {type: perspective, position: [9, 8, 14], look_at: [0, 2.5, 0], fov_deg: 40, resolution: [48, 40]}
+  above: {type: perspective, position: [1, 20, 6], look_at: [0, 2.5, 0], fov_deg: 40, resolution: [32, 32]}
+materials:
+  stone: {type: subsurface, sigma_s_prime: [1, 1.2, 1.5], sigma_a: [0.01, 0.05, 0.2], eta: 1.4}
+  floor: {type: diffuse, reflectance: 0.4}
+  coat: {type: plastic, reflectance: [0.5, 0.1, 0.1]}
+  silver: {type: mirror, reflectance: 0.9}
+objects:
+  - {shape: mesh, file: pyramid.off, material: stone}
+  - {shape: plane, point: [0, 0, 0], normal: [0, 1, 0], material: floor}
+  - {shape: sphere, center: [-6, 2, 3], radius: 2, material: coat}
+  - {shape: disc, center: [0, 6, -9], normal: [0, 0, 1], radius: 5, material: silver}
+lights:
+  - {type: quad, position: [-8, 14, -6], look_at: [0, 3, 0], size: [6, 6], radiance: [9, 8, 7], group: key}
+  - {type: sphere, position: [9, 12, 4], radius: 1.5, radiance: 12, group: key}
+  - {type: point, position: [0, 15, 10], intensity: 60}
+  - {type: spot, position: [5, 15, 0], look_at: [0, 0, 0], intensity: 90, cone_deg: 30}
+  - {type: directional, direction: [1, -2, -1], irradiance: 0.2}
+  - {type: environment, radiance: [0.05, 0.06, 0.08], group: sky}
+settings: {samples: 4, light_samples: 8}
+)";
+
+path pyramid_folder(const std::string& part = "files") {
+    const path folder = fresh_folder(part);
+    write_bytes(folder / "pyramid.off", kPyramid);
+    write_bytes(folder / "scene.yaml", kPyramidScene);
+    return folder;
+}
+
+void make_cache(const path& folder, std::vector<std::string> flags = {}) {
+    flags.insert(flags.begin(),
+                 {(folder / "scene.yaml").string(), "-o", (folder / "scene.tallow").string()});
+    const Result result = precompute(flags);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+}
+
+Result render_to(const path& folder, const std::string& image,
+                 std::vector<std::string> flags = {}) {
+    flags.insert(flags.begin(),
+                 {(folder / "scene.yaml").string(), "--cache", (folder / "scene.tallow").string(),
+                  "-o", (folder / image).string(), "--quiet"});
+    return render(flags);
+}
+
+std::vector<float> channel(const path& file, const std::string& name) {
+    const Image image = read_exr(file);
+    const std::vector<float>* values = image.find_channel(name);
+    EXPECT_NE(values, nullptr) << name;
+    return values ? *values : std::vector<float>{};
+}
+
+// Uniform irradiance on a large translucent plane: the exitance in its middle is E_t R_total.
+// The opening's radius is 16 diffusion lengths; measured error 0.2 %.
+TEST(Pipeline, UniformlyLitHalfSpaceGivesTheTotalReflectance) {
+    const path folder = fresh_folder();
+    write_bytes(folder / "scene.yaml", R"(
+cameras:
+  main: {type: perspective, position: [0, 4, 0], look_at: [0, 0, 0], up: [0, 0, 1], fov_deg: 10, resolution: [4, 4]}
+materials:
+  ground: {type: subsurface, sigma_s_prime: [2, 2, 2], sigma_a: [0.5, 0.3, 0.2], eta: 1.3}
+objects:
+  - {shape: plane, point: [0, 0, 0], normal: [0, 1, 0], radius: 14, material: ground}
+lights:
+  - {type: environment, radiance: 1}
+settings: {tolerance: 0, samples: 1, light_samples: 64}
+)");
+    make_cache(folder, {"--spacing", "0.14"});
+    const Result result = render_to(folder, "image.exr", {"--aovs", "exitance"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Medium medium{{0.5f, 0.3f, 0.2f}, {2, 2, 2}, 0, 1.3f};
+    const double E_t = std::numbers::pi * diffuse_fresnel_transmittance(1.3);
+    for (int c = 0; c < 3; ++c) {
+        const auto profile = dipole_channel<double>(medium, c, mismatch_A(1.3));
+        const double expected = E_t * total_reflectance(profile);
+        for (float M : channel(folder / "image.exr", std::string("exitance.") + "RGB"[c]))
+            EXPECT_NEAR(M, expected, 0.01 * expected) << c;
+    }
+}
+
+TEST(Pipeline, OneThreadAndManyGiveTheSameBytes) {
+    const path one = pyramid_folder("1"), two = pyramid_folder("2");
+    make_cache(one, {"--threads", "1"});
+    make_cache(two, {"--threads", "2"});
+    EXPECT_EQ(read_bytes(one / "scene.tallow"), read_bytes(two / "scene.tallow"));
+    ASSERT_EQ(render_to(one, "image.png", {"--threads", "1"}).exit_code, 0);
+    ASSERT_EQ(render_to(two, "image.png", {"--threads", "2"}).exit_code, 0);
+    EXPECT_EQ(read_bytes(one / "image.png"), read_bytes(two / "image.png"));
+
+    // The EXR names its scene's path in its metadata: render both from one folder.
+    ASSERT_EQ(render_to(one, "a.exr", {"--aovs", "all", "--threads", "1"}).exit_code, 0);
+    ASSERT_EQ(render_to(one, "b.exr", {"--aovs", "all", "--threads", "2"}).exit_code, 0);
+    EXPECT_EQ(read_bytes(one / "a.exr"), read_bytes(one / "b.exr"));
+}
+
+TEST(Pipeline, RadianceLayersSumToThePicture) {
+    const path folder = pyramid_folder();
+    make_cache(folder);
+    ASSERT_EQ(render_to(folder, "image.exr", {"--aovs", "all"}).exit_code, 0);
+    for (const char* c : {"R", "G", "B"}) {
+        const std::vector<float> picture = channel(folder / "image.exr", c);
+        std::vector<double> sum(picture.size(), 0);
+        for (const char* layer : {"multiple", "single", "diffuse", "specular", "emission"}) {
+            const auto values = channel(folder / "image.exr", std::string(layer) + "." + c);
+            double total = 0;
+            for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i], total += values[i];
+            EXPECT_GT(total, 0) << layer;
+        }
+        for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(picture[i], sum[i], 1e-5);
+    }
+}
+
+TEST(Pipeline, ACropIsThatPartOfTheWholeImage) {
+    const path folder = pyramid_folder();
+    make_cache(folder);
+    ASSERT_EQ(render_to(folder, "whole.exr").exit_code, 0);
+    ASSERT_EQ(render_to(folder, "part.exr", {"--crop", "10,5,30,25"}).exit_code, 0);
+    const auto whole = channel(folder / "whole.exr", "G"), part = channel(folder / "part.exr", "G");
+    ASSERT_EQ(part.size(), 400u);
+    for (std::size_t y = 0; y < 20; ++y)
+        for (std::size_t x = 0; x < 20; ++x)
+            ASSERT_EQ(part[20 * y + x], whole[48 * (y + 5) + x + 10]);
+}
+
+// Measured: 0.3 % at the default tolerance of 1 %.
+TEST(Pipeline, HierarchyErrorIsWithinTheTolerance) {
+    const path folder = pyramid_folder();
+    make_cache(folder, {"--spacing", "0.08"});
+    ASSERT_EQ(render_to(folder, "plain.exr", {"--tolerance", "0", "--aovs", "exitance"}).exit_code,
+              0);
+    ASSERT_EQ(
+        render_to(folder, "fast.exr", {"--tolerance", "0.01", "--aovs", "exitance"}).exit_code, 0);
+    double error2 = 0, mean = 0, count = 0;
+    for (const char* name : {"exitance.R", "exitance.G", "exitance.B"}) {
+        const auto plain = channel(folder / "plain.exr", name);
+        const auto fast = channel(folder / "fast.exr", name);
+        for (std::size_t i = 0; i < plain.size(); ++i) {
+            if (plain[i] == 0) continue;
+            error2 += std::pow(double(fast[i]) - plain[i], 2);
+            mean += plain[i];
+            ++count;
+        }
+    }
+    ASSERT_GT(count, 300);
+    EXPECT_GT(error2, 0);
+    EXPECT_LT(std::sqrt(error2 / count) / (mean / count), 0.01);
+}
+
+TEST(Pipeline, OneCacheServesEveryCameraMediumAndGroupScale) {
+    const path folder = pyramid_folder();
+    make_cache(folder);
+    const std::string cache = read_bytes(folder / "scene.tallow");
+    for (const std::vector<std::string>& flags :
+         std::vector<std::vector<std::string>>{{"--camera", "above"},
+                                               {"--set", "materials.stone.sigma_a=[0.1, 0.1, 0.1]"},
+                                               {"--set", "materials.floor.reflectance=0.1"},
+                                               {"--set", "groups.key.scale=[2, 1, 0.5]"},
+                                               {"--set", "cameras.main.fov_deg=20"}}) {
+        const Result result = render_to(folder, "image.exr", flags);
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+    }
+    EXPECT_EQ(read_bytes(folder / "scene.tallow"), cache);
+}
+
+// Light adds: the picture with both groups is the sum of the pictures with one of them dark.
+TEST(Pipeline, LightGroupsAddUp) {
+    const path folder = pyramid_folder();
+    make_cache(folder);
+    const std::vector<std::string> plain = {"--tolerance", "0"};
+    const auto scaled = [&](const std::string& image, float key, float rest) {
+        const Result result =
+            render_to(folder, image,
+                      {"--tolerance", "0", "--set", "groups.key.scale=" + std::to_string(key),
+                       "--set", "groups.default.scale=" + std::to_string(rest), "--set",
+                       "groups.sky.scale=" + std::to_string(rest)});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return channel(folder / image, "R");
+    };
+    const auto both = scaled("both.exr", 3, 1), key = scaled("key.exr", 1, 0),
+               rest = scaled("rest.exr", 0, 1);
+    for (std::size_t i = 0; i < both.size(); ++i)
+        EXPECT_NEAR(both[i], 3 * key[i] + rest[i], 1e-4 * (both[i] + 1e-3));
+}
+
+class Refusal : public ::testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = pyramid_folder();
+        make_cache(folder_);
+    }
+
+    void replace(const std::string& file, const std::string& from, const std::string& to) {
+        std::string content = read_bytes(folder_ / file);
+        const std::size_t at = content.find(from);
+        ASSERT_NE(at, std::string::npos) << from;
+        content.replace(at, from.size(), to);
+        write_bytes(folder_ / file, content);
+    }
+
+    // The cache is refused and the message names both values.
+    void expect_refused(const std::string& made_from, const std::string& needed) {
+        const Result result = render_to(folder_, "image.exr");
+        EXPECT_EQ(result.exit_code, 3);
+        EXPECT_NE(result.err.find(made_from), std::string::npos) << result.err;
+        EXPECT_NE(result.err.find(needed), std::string::npos) << result.err;
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "image.exr"));
+    }
+
+    path folder_;
+};
+
+TEST_F(Refusal, ChangedMesh) {
+    replace("pyramid.off", "0 7 0", "0 7.5 0");
+    expect_refused("objects[0].mesh", "re-run tallow-precompute");
+}
+
+TEST_F(Refusal, MovedLight) {
+    replace("scene.yaml", "position: [0, 15, 10]", "position: [0, 15, 11]");
+    expect_refused("0 15 10", "0 15 11");
+}
+
+TEST_F(Refusal, ChangedEta) {
+    replace("scene.yaml", "eta: 1.4", "eta: 1.35");
+    expect_refused("1.4", "1.35");
+}
+
+TEST_F(Refusal, MovedObject) {
+    replace("scene.yaml", "pyramid.off, material: stone",
+            "pyramid.off, material: stone, transform: [{translate: [0, 1, 0]}]");
+    expect_refused("objects[0]", "re-run tallow-precompute");
+}
+
+TEST(Pipeline, OpaqueScenesNeedNoCache) {
+    const path folder = fresh_folder();
+    write_bytes(folder / "scene.yaml", R"(
+cameras:
+  main: {type: perspective, position: [0, 2, 0], look_at: [0, 0, 0], up: [0, 0, 1], fov_deg: 5, resolution: [2, 2]}
+materials:
+  white: {type: diffuse, reflectance: 0.5}
+objects:
+  - {shape: disc, center: [0, 0, 0], normal: [0, 1, 0], radius: 5, material: white}
+lights:
+  - {type: environment, radiance: 2}
+settings: {samples: 1}
+)");
+    const Result result =
+        render({(folder / "scene.yaml").string(), "-o", (folder / "image.exr").string()});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    // Half of the light from everywhere comes back, whatever the direction. Measured 3e-4: 64 rays.
+    for (float value : channel(folder / "image.exr", "R")) EXPECT_NEAR(value, 1, 0.01);
+}
+
+TEST(Pipeline, StatsNameWhatRan) {
+    const path folder = pyramid_folder();
+    make_cache(folder, {"--stats", (folder / "one.json").string()});
+    ASSERT_EQ(render_to(folder, "image.exr", {"--stats", (folder / "two.json").string()}).exit_code,
+              0);
+    const std::string one = read_bytes(folder / "one.json"), two = read_bytes(folder / "two.json");
+    for (const char* phase : {"load", "bvh", "sample", "irradiance", "octree", "write", "total"})
+        EXPECT_NE(one.find('"' + std::string(phase) + "\": "), std::string::npos) << phase;
+    for (const char* phase :
+         {"load", "bvh", "map", "primary", "exitance", "single", "surface", "write", "total"})
+        EXPECT_NE(two.find('"' + std::string(phase) + "\": "), std::string::npos) << phase;
+    EXPECT_EQ(two.find("\"irradiance\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tallow::test
