@@ -23,7 +23,7 @@ RESOLUTION = "[96, 96]"
 
 
 def run(program, *arguments):
-    command = [ROOT / "build/release" / program.split("-")[1] / program, *arguments, "--quiet"]
+    command = [ROOT / "build/release/bin" / program, *arguments, "--quiet"]
     subprocess.run(list(map(str, command)), check=True)
 
 
