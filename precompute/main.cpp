@@ -60,7 +60,9 @@ void make_cache(const Arguments& a, const CommonOptions& common) {
     if (a.spacing != "auto")
         options.spacing =
             float(parse_number("--spacing", a.spacing, 1e-6, 1e6, "a number of mm > 0, or auto"));
+    PhaseTimer load_timer(stats, "load");
     Scene scene = load_scene(a.scene, a.overrides);
+    load_timer.stop();
     if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
     if (a.light_samples) scene.settings.light_samples = *a.light_samples;
 

@@ -150,9 +150,7 @@ float automatic_spacing(const Medium& medium, double tolerance, float extent) {
 
 void precompute(const Scene& scene, const PrecomputeOptions& options,
                 const std::filesystem::path& cache_file, Progress& progress, Stats& stats) {
-    PhaseTimer load_timer(stats, "load");
-    const SceneGeometry geometry = load_geometry(scene);
-    load_timer.stop();
+    const SceneGeometry geometry = load_geometry(scene, stats);
     for (const std::string& report : geometry.repair_reports) progress.note(report);
 
     PhaseTimer bvh_timer(stats, "bvh");

@@ -7,9 +7,9 @@ namespace tallow {
 namespace {
 
 // Solid angle for a tolerance (relRMSE). Fitted: on the bunny, armadillo and elephant in marble the
-// measured error is then 0.3 to 0.9 of the tolerance between 0.0003 and 0.1; doubled, it exceeds
+// measured error is then 0.2 to 0.9 of the tolerance between 0.0003 and 0.1; doubled, it exceeds
 // the tolerance on the bunny. docs/EVALUATOR.md has the table and the command that made it.
-float solid_angle_for(float tolerance) { return 7 * tolerance; }
+float solid_angle_for(float tolerance) { return 6 * tolerance; }
 
 }  // namespace
 

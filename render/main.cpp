@@ -171,8 +171,8 @@ void render(const Arguments& a, const CommonOptions& common) {
     options.camera = find_camera(scene, a.camera);
     const Camera& camera = scene.cameras[std::size_t(options.camera)];
     options.crop = parse_crop(a.crop, camera);
-    const SceneGeometry geometry = load_geometry(scene);
     load_timer.stop();
+    const SceneGeometry geometry = load_geometry(scene, stats);
 
     PhaseTimer map_timer(stats, "map");
     const std::optional<MappedCache> cache = open_cache(a, scene, geometry);

@@ -96,7 +96,7 @@ private:
             Pixel& pixel = pixels_[point.pixel];
             pixel.coverage += weight;
             pixel.normal += weight * point.hit.n;
-            pixel.position += weight * point.hit.position;
+            pixel.position += weight * Vec3(DVec3(point.hit.position) + scene_.origin);
             pixel.depth += weight * point.hit.t;
             pixel.albedo += weight * albedos_[scene_.objects[point.hit.object].material];
         }

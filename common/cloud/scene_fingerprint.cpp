@@ -63,23 +63,19 @@ struct ShapePairs {
 
     void operator()(const SphereShape& sphere) const {
         pairs.add("shape", "sphere");
-        pairs.add("center", sphere.center);
         pairs.add("radius", sphere.radius);
     }
     void operator()(const CubeShape& cube) const {
         pairs.add("shape", "cube");
-        pairs.add("center", cube.center);
         pairs.add("size", cube.size);
     }
     void operator()(const DiscShape& disc) const {
         pairs.add("shape", "disc");
-        pairs.add("center", disc.center);
         pairs.add("normal", disc.normal);
         pairs.add("radius", disc.radius);
     }
     void operator()(const PlaneShape& plane) const {
         pairs.add("shape", "plane");
-        pairs.add("point", plane.point);
         pairs.add("normal", plane.normal);
         pairs.add("radius", plane.radius);
     }
@@ -158,7 +154,8 @@ Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry)
     // The counts come first: "objects = 2, but the scene has 3" says more than a missing pair.
     Fingerprint fingerprint{{"objects", fmt::format("{}", scene.objects.size())},
                             {"lights", fmt::format("{}", scene.lights.size())},
-                            {"groups", fmt::format("{}", scene.groups.size())}};
+                            {"groups", fmt::format("{}", scene.groups.size())},
+                            {"origin_mm", text(Vec3(scene.origin))}};
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         add_object(fingerprint, scene, i, geometry.mesh_hash[i]);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) add_light(fingerprint, scene, i);

@@ -11,22 +11,29 @@ namespace {
 
 constexpr double kSmallestLength = 1 / kLargestNumber;  // mm
 
-float largest_component(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+template <class V>
+auto largest_component(V v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 /// In double: the squares of tiny and huge components leave the range of float.
 Vec3 unit(Vec3 v) { return Vec3(glm::normalize(DVec3(v))); }
 
 }  // namespace
 
-Vec3 LengthReader::point(const YamlMap& map, std::string_view key) const {
-    const Vec3 p = map.vec3(key) * mm_per_unit;
+DVec3 LengthReader::exact_point(const YamlMap& map, std::string_view key) const {
+    const DVec3 p = map.dvec3(key) * double{mm_per_unit} - origin;
     if (largest_component(p) > kLargestNumber)
         map.fail(key, fmt::format("expected lengths of at most {:g} mm", kLargestNumber));
     return p;
 }
 
-Vec3 LengthReader::point_or_origin(const YamlMap& map, std::string_view key) const {
-    return map.has(key) ? point(map, key) : Vec3(0);
+DVec3 LengthReader::exact_point_or_zero(const YamlMap& map, std::string_view key) const {
+    return map.has(key) ? exact_point(map, key) : DVec3(0);
+}
+
+Vec3 LengthReader::point(const YamlMap& map, std::string_view key) const {
+    return Vec3(exact_point(map, key));
 }
 
 float LengthReader::positive(const YamlMap& map, std::string_view key) const {

@@ -12,9 +12,11 @@ namespace tallow {
 /// Domain   magnitudes up to 1e12 mm, positive ones from 1e-12 mm: their cubes are normal floats.
 struct LengthReader {
     float mm_per_unit = 1;
+    DVec3 origin{0};  // Scene::origin, mm; subtracted from points in double
 
     Vec3 point(const YamlMap& map, std::string_view key) const;
-    Vec3 point_or_origin(const YamlMap& map, std::string_view key) const;
+    DVec3 exact_point(const YamlMap& map, std::string_view key) const;
+    DVec3 exact_point_or_zero(const YamlMap& map, std::string_view key) const;
     float positive(const YamlMap& map, std::string_view key) const;
     float positive(const YamlNode& node, std::string_view key) const;
 };

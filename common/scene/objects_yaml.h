@@ -9,10 +9,16 @@
 
 namespace tallow {
 
+/// Objects and the origin to which their transforms are relative (Scene::origin).
+struct PlacedObjects {
+    std::vector<Object> objects;
+    DVec3 origin;
+};
+
 /// The `objects` section, a list. `materials` are those that it may name; files are looked up in
 /// `folder`.
-std::vector<Object> read_objects(const std::vector<YamlNode>& section,
-                                 const std::vector<Material>& materials,
-                                 const std::filesystem::path& folder, const LengthReader& lengths);
+PlacedObjects read_objects(const std::vector<YamlNode>& section,
+                           const std::vector<Material>& materials,
+                           const std::filesystem::path& folder, const LengthReader& lengths);
 
 }  // namespace tallow

@@ -51,22 +51,18 @@ struct Material {
     std::variant<SubsurfaceMaterial, DiffuseMaterial, PlasticMaterial, MirrorMaterial> kind;
 };
 
-/// Shapes as the scene file states them, in object space and in mm.
+/// Shapes around the origin of their own space, in mm; Object::transform puts them into the world.
 struct SphereShape {
-    Vec3 center;
     float radius;
 };
 struct CubeShape {
-    Vec3 center;
     Vec3 size;
 };
 struct DiscShape {
-    Vec3 center;
     Vec3 normal;
     float radius;
 };
 struct PlaneShape {
-    Vec3 point;
     Vec3 normal;
     float radius;  // PlaneSurface::radius
 };
@@ -79,7 +75,7 @@ using Shape = std::variant<SphereShape, CubeShape, DiscShape, PlaneShape, MeshSh
 struct Object {
     Shape shape;
     std::uint32_t material;  // index into Scene::materials
-    Affine transform;        // object space -> world
+    Affine transform;        // object space -> world; the file's center or point is part of it
     std::string where;       // "scene.yaml:12:5", to report what is wrong with it later
 };
 
@@ -98,6 +94,10 @@ struct Settings {
 /// lengths in mm, angles in radians. At least one camera. Files are named, not yet read.
 struct Scene {
     std::filesystem::path file;
+    /// Where the world's origin lies in the file's coordinates, mm. Everything else is relative to
+    /// it, so that a scene far from its file's origin keeps the precision of float. Zero for scenes
+    /// within half a metre of it; see scene_origin.
+    DVec3 origin{0};
     std::vector<Camera> cameras;  // the first is the default
     std::vector<Material> materials;
     std::vector<Object> objects;

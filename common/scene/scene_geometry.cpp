@@ -36,8 +36,8 @@ void require_closed(const Object& object, const std::string& file, const RepairR
 
 class SurfaceLoader {
 public:
-    SurfaceLoader(const Scene& scene, SceneGeometry& geometry)
-        : scene_(scene), geometry_(geometry) {}
+    SurfaceLoader(const Scene& scene, SceneGeometry& geometry, Stats& stats)
+        : scene_(scene), geometry_(geometry), stats_(stats) {}
 
     void load(std::size_t index) {
         const Object& object = scene_.objects[index];
@@ -45,17 +45,17 @@ public:
         geometry_.surfaces.push_back(
             std::visit(Overloaded{
                            [&](const SphereShape& s) -> Surface {
-                               const Affine unit{glm::mat3(s.radius), s.center};
+                               const Affine unit{glm::mat3(s.radius), Vec3(0)};
                                return SphereSurface{compose(object.transform, unit)};
                            },
                            [&](const CubeShape& s) -> Surface {
                                glm::mat3 size(0.0f);
                                for (int i = 0; i < 3; ++i) size[i][i] = s.size[i];
-                               return cube_mesh(compose(object.transform, {size, s.center}));
+                               return cube_mesh(compose(object.transform, {size, Vec3(0)}));
                            },
                            [&](const DiscShape& s) -> Surface { return disc(object.transform, s); },
                            [&](const PlaneShape& s) -> Surface {
-                               return PlaneSurface{object.transform.point(s.point),
+                               return PlaneSurface{object.transform.translation,
                                                    object.transform.normal(s.normal), s.radius};
                            },
                            [&](const MeshShape& s) -> Surface { return mesh(index, s); },
@@ -67,30 +67,35 @@ private:
     static Surface disc(const Affine& transform, const DiscShape& s) {
         const Frame frame = make_frame(s.normal);
         const glm::mat3 axes(s.radius * frame.s, s.radius * frame.t, s.radius * frame.n);
-        return DiscSurface{compose(transform, {axes, s.center})};
+        return DiscSurface{compose(transform, {axes, Vec3(0)})};
     }
 
     Surface mesh(std::size_t index, const MeshShape& shape) {
         const Object& object = scene_.objects[index];
         const std::string name = shape.file.string();
-        RepairedMesh repaired = repair_mesh(read_polygon_soup(shape.file), shape.normals, name);
+        PhaseTimer load_timer(stats_, "load");
+        const PolygonSoup soup = read_polygon_soup(shape.file);
+        geometry_.mesh_hash.back() = hash_file(shape.file);
+        load_timer.stop();
+        const PhaseTimer repair_timer(stats_, "repair");
+        RepairedMesh repaired = repair_mesh(soup, shape.normals, name);
         if (subsurface(scene_, index) != nullptr) require_closed(object, name, repaired.report);
         if (repaired.report.changed_anything())
             geometry_.repair_reports.push_back(name + ": " + repaired.report.summary());
-        geometry_.mesh_hash.back() = hash_file(shape.file);
         const Affine to_mm{glm::mat3(scene_.mm_per_unit), Vec3(0)};
         return transform_mesh(std::move(repaired.mesh), compose(object.transform, to_mm));
     }
 
     const Scene& scene_;
     SceneGeometry& geometry_;
+    Stats& stats_;
 };
 
 }  // namespace
 
-SceneGeometry load_geometry(const Scene& scene) {
+SceneGeometry load_geometry(const Scene& scene, Stats& stats) {
     SceneGeometry geometry;
-    SurfaceLoader loader(scene, geometry);
+    SurfaceLoader loader(scene, geometry, stats);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) loader.load(i);
     return geometry;
 }

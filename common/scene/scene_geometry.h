@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/stats.h"
 #include "common/scene/scene.h"
 
 namespace tallow {
@@ -16,10 +17,10 @@ struct SceneGeometry {
     std::vector<std::string> repair_reports;  // one line a mesh that needed repair
 };
 
-/// Reads and repairs the meshes, applies transforms and units.
+/// Reads and repairs the meshes, applies transforms and units. Adds to the phases load and repair.
 ///
 /// Throws   InputError for what mesh_io refuses, and for a translucent object that encloses no
 ///          volume: an open mesh (its boundary is named) or a disc.
-SceneGeometry load_geometry(const Scene& scene);
+SceneGeometry load_geometry(const Scene& scene, Stats& stats);
 
 }  // namespace tallow

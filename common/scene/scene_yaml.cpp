@@ -67,12 +67,15 @@ Scene read_scene(YamlNode root, const std::filesystem::path& file,
     Scene scene;
     scene.file = file;
     scene.mm_per_unit = read_unit(map);
-    const LengthReader lengths{scene.mm_per_unit};
-    scene.cameras = read_cameras(map.at("cameras"), lengths);
+    LengthReader lengths{scene.mm_per_unit};
     if (map.has("materials")) scene.materials = read_materials(map.at("materials"));
-    if (map.has("objects"))
-        scene.objects =
+    if (map.has("objects")) {
+        PlacedObjects placed =
             read_objects(map.list("objects"), scene.materials, file.parent_path(), lengths);
+        scene.objects = std::move(placed.objects);
+        scene.origin = lengths.origin = placed.origin;
+    }
+    scene.cameras = read_cameras(map.at("cameras"), lengths);
     if (map.has("lights")) read_lights(map.list("lights"), lengths, scene);
     if (map.has("groups")) read_groups(map.at("groups"), scene);
     if (map.has("settings")) scene.settings = read_settings(map.at("settings"));

@@ -63,14 +63,17 @@ void fail_expected(const YamlNode& node, std::string_view key, std::string_view 
     fail_at(node.where, key, fmt::format("expected {}, got {}", expected, describe(node)));
 }
 
-float yaml_number(const YamlNode& node, std::string_view key, const Range& range) {
+double yaml_double(const YamlNode& node, std::string_view key, const Range& range) {
     const auto value = parse_number(node);
     if (!value) fail_expected(node, key, range.text);
     if (std::abs(*value) > kLargestNumber)
         fail_expected(node, key, fmt::format("a magnitude of at most {:g}", kLargestNumber));
-    const auto rounded = static_cast<float>(*value);
-    if (!range.contains(rounded)) fail_expected(node, key, range.text);
-    return rounded;
+    if (!range.contains(static_cast<float>(*value))) fail_expected(node, key, range.text);
+    return *value;
+}
+
+float yaml_number(const YamlNode& node, std::string_view key, const Range& range) {
+    return static_cast<float>(yaml_double(node, key, range));
 }
 
 int yaml_integer(const YamlNode& node, std::string_view key, int low, int high) {
@@ -88,10 +91,10 @@ const std::vector<YamlNode>& yaml_items(const YamlNode& node, std::string_view k
     return node.items;
 }
 
-Vec3 yaml_vec3(const YamlNode& node, std::string_view key) {
+DVec3 yaml_dvec3(const YamlNode& node, std::string_view key) {
     const auto& items = yaml_items(node, key, 3, "three numbers [x, y, z]");
-    return {yaml_number(items[0], key, kAnyNumber), yaml_number(items[1], key, kAnyNumber),
-            yaml_number(items[2], key, kAnyNumber)};
+    return {yaml_double(items[0], key, kAnyNumber), yaml_double(items[1], key, kAnyNumber),
+            yaml_double(items[2], key, kAnyNumber)};
 }
 
 std::string yaml_text(const YamlNode& node, std::string_view key) {
@@ -152,7 +155,8 @@ int YamlMap::integer_or(std::string_view key, int low, int high, int fallback) c
 
 std::string YamlMap::text(std::string_view key) const { return yaml_text(at(key), key); }
 
-Vec3 YamlMap::vec3(std::string_view key) const { return yaml_vec3(at(key), key); }
+Vec3 YamlMap::vec3(std::string_view key) const { return Vec3(dvec3(key)); }
+DVec3 YamlMap::dvec3(std::string_view key) const { return yaml_dvec3(at(key), key); }
 
 Rgb YamlMap::rgb(std::string_view key, const Range& range) const {
     const YamlNode& node = at(key);

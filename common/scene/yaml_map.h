@@ -60,6 +60,7 @@ public:
     int integer_or(std::string_view key, int low, int high, int fallback) const;
     std::string text(std::string_view key) const;
     Vec3 vec3(std::string_view key) const;
+    DVec3 dvec3(std::string_view key) const;
     /// [r, g, b], or one number for a grey.
     Rgb rgb(std::string_view key, const Range& range) const;
     Rgb rgb_or(std::string_view key, const Range& range, Rgb fallback) const;
@@ -90,9 +91,10 @@ private:
 };
 
 /// The same for values that stand alone; `key` is what messages call them.
+double yaml_double(const YamlNode& node, std::string_view key, const Range& range);
 float yaml_number(const YamlNode& node, std::string_view key, const Range& range);
 int yaml_integer(const YamlNode& node, std::string_view key, int low, int high);
-Vec3 yaml_vec3(const YamlNode& node, std::string_view key);
+DVec3 yaml_dvec3(const YamlNode& node, std::string_view key);
 /// The items of a list of `count`; `expected` tells users what they are.
 const std::vector<YamlNode>& yaml_items(const YamlNode& node, std::string_view key,
                                         std::size_t count, std::string_view expected);

@@ -89,16 +89,16 @@ TEST(SceneYaml, ReadsShapes) {
     EXPECT_EQ(bunny.normals, Normals::flat);
     EXPECT_EQ(scene.objects[0].material, 0u);
     EXPECT_EQ(scene.objects[0].where, scene.file.string() + ":14:5");
-    EXPECT_EQ(shape_of<SphereShape>(scene, 1).center, Vec3(0, 50, 0));
+    EXPECT_EQ(scene.objects[1].transform.translation, Vec3(0, 50, 0));
     EXPECT_EQ(shape_of<SphereShape>(scene, 1).radius, 5);
     EXPECT_EQ(scene.objects[1].material, 1u);
-    EXPECT_EQ(shape_of<CubeShape>(scene, 2).center, Vec3(0));
+    EXPECT_EQ(scene.objects[2].transform.translation, Vec3(0));
     EXPECT_EQ(shape_of<CubeShape>(scene, 2).size, Vec3(30));
-    EXPECT_EQ(shape_of<CubeShape>(scene, 3).center, Vec3(150, 50, 0));
+    EXPECT_EQ(scene.objects[3].transform.translation, Vec3(150, 50, 0));
     EXPECT_EQ(shape_of<CubeShape>(scene, 3).size, Vec3(10, 20, 30));
     EXPECT_EQ(shape_of<PlaneShape>(scene, 4).normal, Vec3(0, 1, 0));
     EXPECT_EQ(shape_of<PlaneShape>(scene, 4).radius, kInfinity);
-    EXPECT_EQ(shape_of<PlaneShape>(scene, 5).point, Vec3(0, -10, 0));
+    EXPECT_EQ(scene.objects[5].transform.translation, Vec3(0, -10, 0));
     EXPECT_EQ(shape_of<PlaneShape>(scene, 5).radius, 400);
     EXPECT_EQ(shape_of<DiscShape>(scene, 6).normal, Vec3(0, 0, -1));
     EXPECT_EQ(shape_of<DiscShape>(scene, 6).radius, 10);
@@ -209,7 +209,7 @@ TEST(SceneOverride, ReplacesAndAddsValues) {
     EXPECT_EQ(light_of<PointLight>(scene, 1).intensity, Rgb(7));
     EXPECT_EQ(scene.groups[1].scale, Rgb(4));
     EXPECT_EQ(scene.cameras[0].position, Vec3(0, 28, 110));
-    EXPECT_EQ(scene.objects[1].transform.point(Vec3(1)), Vec3(2));
+    EXPECT_EQ(scene.objects[1].transform.vector(Vec3(1)), Vec3(2));
     EXPECT_EQ(material_of<MirrorMaterial>(scene, 3).reflectance, Rgb(1));
     EXPECT_EQ(scene.cameras[0].height, 99);
 }
