@@ -16,7 +16,7 @@ using Triangle = std::array<std::uint32_t, 3>;  // vertex indices, counter-clock
 ///
 /// corner_normals is empty (flat shading) or holds three unit normals a triangle.
 struct TriangleMesh {
-    std::vector<Vec3> vertices;        // mm
+    std::vector<Vec3> vertices;  // mm
     std::vector<Triangle> triangles;
     std::vector<Vec3> corner_normals;  // [3 * triangle + corner]
 };

@@ -73,6 +73,11 @@ void check_polygons(const std::string& name, const PolygonSoup& soup) {
         if (polygon.size() < 3)
             throw InputError(fmt::format("{}: face {}: expected at least three corners, got {}",
                                          name, i, polygon.size()));
+        if (polygon.size() > kMostCorners)
+            throw InputError(
+                fmt::format("{}: face {}: expected at most {} corners, got {}; cut it "
+                            "into triangles",
+                            name, i, kMostCorners, polygon.size()));
         for (const std::uint32_t v : polygon)
             if (v >= soup.vertices.size())
                 throw InputError(fmt::format("{}: face {}: vertex {} out of range ({} vertices)",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -9,8 +10,12 @@
 
 namespace tallow {
 
+/// Cutting a polygon takes its corners squared; no file that means well has one of so many.
+inline constexpr std::size_t kMostCorners = 4096;
+
 /// Polygons as a file lists them: nothing is promised but that indices are in range, coordinates
-/// are finite and each polygon has at least three corners. May be open, non-manifold, unoriented.
+/// are finite and each polygon has 3 to kMostCorners corners. May be open, non-manifold,
+/// unoriented.
 struct PolygonSoup {
     std::vector<Vec3> vertices;                        // in the file's unit
     std::vector<Vec3> normals;                         // one a vertex, or empty

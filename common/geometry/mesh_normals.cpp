@@ -5,9 +5,10 @@
 
 #include "common/geometry/mesh_normals.h"
 
-#include <algorithm>
+#include <limits>
 #include <span>
 #include <unordered_map>
+#include <utility>
 
 #include "common/geometry/position_hash.h"
 
@@ -21,51 +22,40 @@ std::vector<Vec3> triangle_normals(const TriangleMesh& mesh) {
     return normals;
 }
 
-/// Mean over the triangles around each vertex, weighted by their angle there: unlike a mean by
-/// area it does not depend on how the surface is cut. Zero where the triangles cancel out.
-/// Source: Thuermer, Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets".
-std::vector<Vec3> angle_weighted_normals(const TriangleMesh& mesh, std::span<const Vec3> n_g) {
-    std::vector<DVec3> sum(mesh.vertices.size(), DVec3(0));
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle& corners = mesh.triangles[t];
-        for (std::size_t c = 0; c < 3; ++c) {
-            const DVec3 p = mesh.vertices[corners[c]];
-            const DVec3 a = glm::normalize(DVec3(mesh.vertices[corners[(c + 1) % 3]]) - p);
-            const DVec3 b = glm::normalize(DVec3(mesh.vertices[corners[(c + 2) % 3]]) - p);
-            sum[corners[c]] += std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0)) * DVec3(n_g[t]);
-        }
-    }
-    std::vector<Vec3> normals(sum.size(), Vec3(0));
-    for (std::size_t v = 0; v < sum.size(); ++v)
-        if (glm::length(sum[v]) > 1e-6) normals[v] = Vec3(glm::normalize(sum[v]));
-    return normals;
-}
-
 /// The file's normals at each vertex of the mesh, unit; zero ones are left out.
 class FileNormals {
 public:
     FileNormals(const TriangleMesh& mesh, const PolygonSoup& soup)
-        : at_vertex_(mesh.vertices.size()) {
+        : first_(mesh.vertices.size(), kNone), next_(soup.normals.size(), kNone) {
         if (soup.normals.empty()) return;
-        std::unordered_map<Vec3, std::vector<Vec3>, PositionHash> at_position;
-        for (std::size_t i = 0; i < soup.normals.size(); ++i)
-            if (const DVec3 n = soup.normals[i]; n != DVec3(0))
-                at_position[soup.vertices[i]].push_back(Vec3(glm::normalize(n)));
+        std::unordered_map<Vec3, std::uint32_t, PositionHash> at_position;
+        at_position.reserve(soup.normals.size());
+        for (std::uint32_t i = 0; i < soup.normals.size(); ++i) {
+            const DVec3 n = soup.normals[i];
+            normals_.push_back(n == DVec3(0) ? Vec3(0) : Vec3(glm::normalize(n)));
+            if (n == DVec3(0)) continue;
+            const auto [entry, is_new] = at_position.try_emplace(soup.vertices[i], i);
+            if (!is_new) next_[i] = std::exchange(entry->second, i);
+        }
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
             if (const auto found = at_position.find(mesh.vertices[v]); found != at_position.end())
-                at_vertex_[v] = found->second;  // a copy: split vertices share a position
+                first_[v] = found->second;
     }
 
     /// The one nearest to the direction n; zero if there is none.
     Vec3 nearest(std::uint32_t vertex, Vec3 n) const {
         Vec3 best(0);
-        for (const Vec3 candidate : at_vertex_[vertex])
-            if (best == Vec3(0) || glm::dot(candidate, n) > glm::dot(best, n)) best = candidate;
+        for (std::uint32_t i = first_[vertex]; i != kNone; i = next_[i])
+            if (best == Vec3(0) || glm::dot(normals_[i], n) > glm::dot(best, n)) best = normals_[i];
         return best;
     }
 
 private:
-    std::vector<std::vector<Vec3>> at_vertex_;
+    static constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+
+    std::vector<std::uint32_t> first_;  // [vertex of the mesh] a vertex of the file at its position
+    std::vector<std::uint32_t> next_;   // [vertex of the file] another at the same position
+    std::vector<Vec3> normals_;         // [vertex of the file]
 };
 
 /// +1, or -1 for a turned component whose file normals face mostly away from its triangles.
@@ -88,19 +78,24 @@ std::vector<float> component_signs(const TriangleMesh& mesh, const TriangleOrigi
 }  // namespace
 
 std::vector<Vec3> smooth_corner_normals(const TriangleMesh& mesh, const TriangleOrigin& origin,
-                                        const PolygonSoup& soup) {
+                                        const HalfEdgeMesh& half_edges, const PolygonSoup& soup) {
     const std::vector<Vec3> n_g = triangle_normals(mesh);
-    const std::vector<Vec3> mean = angle_weighted_normals(mesh, n_g);
     const FileNormals file(mesh, soup);
     const std::vector<float> signs = component_signs(mesh, origin, file, n_g);
 
+    std::vector<Vec3> mean;  // made when first needed: most files with normals need none
+    const auto mean_normal = [&](std::uint32_t v, bool turned) {
+        if (mean.empty()) mean = half_edges.vertex_normals();
+        return turned ? -mean[v] : mean[v];
+    };
     std::vector<Vec3> normals;
     normals.reserve(3 * mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (const std::uint32_t v : mesh.triangles[t]) {
-            const float sign = signs[origin.component[t]];
+            const std::uint32_t component = origin.component[t];
+            const float sign = signs[component];
             Vec3 n = sign * file.nearest(v, sign * n_g[t]);
-            if (!(glm::dot(n, n_g[t]) > 0)) n = mean[v];
+            if (!(glm::dot(n, n_g[t]) > 0)) n = mean_normal(v, origin.turned[component]);
             if (!(glm::dot(n, n_g[t]) > 0)) n = n_g[t];
             normals.push_back(n);
         }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "common/geometry/half_edge_mesh.h"
 #include "common/geometry/mesh.h"
 #include "common/geometry/mesh_io.h"
 
@@ -19,7 +20,8 @@ struct TriangleOrigin {
 /// missing or faces away, the angle-weighted mean at the vertex; where even that faces away, the
 /// triangle's own. Of several normals at one position (a crease) a corner takes the nearest to its
 /// triangle's. Normals of a turned component are negated if they were meant for its old side.
+/// `half_edges` are those of the mesh before components were turned.
 std::vector<Vec3> smooth_corner_normals(const TriangleMesh& mesh, const TriangleOrigin& origin,
-                                        const PolygonSoup& soup);
+                                        const HalfEdgeMesh& half_edges, const PolygonSoup& soup);
 
 }  // namespace tallow

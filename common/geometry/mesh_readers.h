@@ -2,11 +2,9 @@
 #pragma once
 
 // Behind read_polygon_soup: one reader a format, all of hostile bytes. Why not OpenMesh's readers,
-// which know all four formats? Tried with version 9.0 and an importer that collects polygons: of
-// 30 broken files they took 20 as whole. They read a word as 0, return half of a truncated OFF or
-// ASCII STL, take a missing face for the one before, pass indices out of range, reserve by the
-// header's count, find 32601 faces where a comment follows "OFF", and do not come back from an
-// OFF face of 2e9 corners.
+// which know all four formats? Those of version 9.0, tried with broken files, took truncated files,
+// words in place of numbers and indices out of range for whole, and did not return from two OFF
+// files with hostile counts.
 
 #include <string>
 

@@ -14,7 +14,8 @@ struct RepairReport {
     std::size_t merged_vertices = 0;        ///< coincident vertices joined
     std::size_t unused_vertices = 0;        ///< vertices that no polygon used, dropped
     std::size_t degenerate_faces = 0;       ///< of zero area or with repeated corners, removed
-    std::size_t duplicate_faces = 0;        ///< the same corners twice, dropped
+    std::size_t duplicate_faces = 0;        ///< triangles over the same corners, dropped
+    std::size_t fin_faces = 0;              ///< of small open sheets that hung on a closed body
     std::size_t split_vertices = 0;         ///< non-manifold vertices and edges taken apart
     std::size_t triangulated_polygons = 0;  ///< polygons of more than three corners, cut
     std::size_t flipped_faces = 0;          ///< faces turned to agree with their neighbours
@@ -39,11 +40,14 @@ struct RepairedMesh {
     RepairReport report;
 };
 
-/// Makes an oriented two-manifold triangle mesh out of a soup: joins coincident vertices, drops
-/// degenerate and duplicate faces, takes non-manifold edges apart, orients connected components
-/// coherently and, where closed, outward (a cavity's shell faces into the cavity), cuts polygons
-/// into triangles, sets normals. An open mesh is not closed: the report says where it is open, and
-/// the caller decides whether that is an error.
+/// Makes an oriented two-manifold triangle mesh out of a soup, whatever the soup: each edge has one
+/// triangle or two that run along it in opposite directions, the triangles around a vertex are one
+/// fan, none has zero area. Joins coincident vertices, cuts polygons into triangles, drops flat and
+/// repeated ones and fins (sheets that hang on a closed body and are small beside it), takes the
+/// surface apart where more than two triangles meet in an edge, orients connected components
+/// coherently and, where closed, outward (a cavity's shell faces into the cavity), sets normals. An
+/// open mesh is not closed: the report says where it is open, and the caller decides whether that
+/// is an error.
 ///
 /// Throws   InputError prefixed with `name` if nothing is left.
 RepairedMesh repair_mesh(const PolygonSoup& soup, Normals normals, const std::string& name);

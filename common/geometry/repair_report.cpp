@@ -29,8 +29,8 @@ private:
 }  // namespace
 
 bool RepairReport::changed_anything() const {
-    return merged_vertices + unused_vertices + degenerate_faces + duplicate_faces + split_vertices +
-               triangulated_polygons + flipped_faces + flipped_components >
+    return merged_vertices + unused_vertices + degenerate_faces + duplicate_faces + fin_faces +
+               split_vertices + triangulated_polygons + flipped_faces + flipped_components >
            0;
 }
 
@@ -40,6 +40,7 @@ std::string RepairReport::summary() const {
     done.add("dropped", unused_vertices, "unused vertex", "unused vertices");
     done.add("removed", degenerate_faces, "degenerate face", "degenerate faces");
     done.add("dropped", duplicate_faces, "duplicate face", "duplicate faces");
+    done.add("dropped", fin_faces, "face of a fin", "faces of fins");
     done.add("split", split_vertices, "non-manifold vertex", "non-manifold vertices");
     done.add("turned", flipped_faces, "face", "faces");
     done.add("turned", flipped_components, "component inside out", "components inside out");

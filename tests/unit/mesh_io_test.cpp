@@ -7,37 +7,28 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "common/base/errors.h"
 #include "common/base/rng.h"
+#include "tests/support/error_text.h"
+#include "tests/support/test_files.h"
 
 namespace tallow {
 namespace {
 
 using Polygons = std::vector<std::vector<std::uint32_t>>;
 
-std::filesystem::path write(const std::string& name, const std::string& bytes) {
-    const auto file = std::filesystem::path(TALLOW_TEST_OUT) / name;
-    std::filesystem::create_directories(file.parent_path());
-    std::filesystem::remove(file);  // ext4 syncs a file that is truncated, but not a new one
-    std::ofstream(file, std::ios::binary) << bytes;
-    return file;
-}
-
 PolygonSoup parse(const std::string& name, const std::string& bytes) {
-    return read_polygon_soup(write(name, bytes));
+    const std::filesystem::path file = test_out(name);
+    write_bytes(file, bytes);
+    return read_polygon_soup(file);
 }
 
 /// The message of the InputError that reading throws, without the folder.
 std::string complaint(const std::string& name, const std::string& bytes) {
-    try {
-        parse(name, bytes);
-    } catch (const InputError& e) {
-        const std::string folder = std::string(TALLOW_TEST_OUT) + "/", text = e.what();
-        return text.starts_with(folder) ? text.substr(folder.size()) : text;
-    }
-    return "no complaint";
+    const std::string text = error_text<InputError>([&] { parse(name, bytes); });
+    const std::string folder = test_out("").string();
+    return text.starts_with(folder) ? text.substr(folder.size()) : text;
 }
 
 template <class T>
@@ -313,19 +304,25 @@ INSTANTIATE_TEST_SUITE_P(
                             "line 5: expected a coordinate, got 'x'"}));
 
 TEST(MeshIo, NamesWhatIsNoFile) {
-    const std::filesystem::path out = TALLOW_TEST_OUT;
-    std::filesystem::create_directories(out / "folder.ply");
-    const auto message = [](const std::filesystem::path& file) -> std::string {
-        try {
-            read_polygon_soup(file);
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "no complaint";
+    std::filesystem::create_directories(test_out("folder.ply"));
+    const auto message = [](const std::string& name) {
+        return error_text<InputError>([&] { read_polygon_soup(test_out(name)); });
     };
-    EXPECT_EQ(message(out / "absent.ply"), (out / "absent.ply").string() + ": no such file");
-    EXPECT_EQ(message(out / "folder.ply"),
-              (out / "folder.ply").string() + ": expected a file, got a directory or device");
+    EXPECT_EQ(message("absent.ply"), test_out("absent.ply").string() + ": no such file");
+    EXPECT_EQ(message("folder.ply"),
+              test_out("folder.ply").string() + ": expected a file, got a directory or device");
+}
+
+TEST(MeshIo, RefusesPolygonsOfTooManyCorners) {
+    const auto fan = [](std::size_t corners) {
+        std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf";
+        for (std::size_t i = 0; i < corners; ++i)
+            text += i % 3 == 0 ? " 1" : i % 3 == 1 ? " 2" : " 3";
+        return text + "\n";
+    };
+    EXPECT_EQ(complaint("many.obj", fan(4097)),
+              "many.obj: face 1: expected at most 4096 corners, got 4097; cut it into triangles");
+    EXPECT_EQ(parse("many.obj", fan(4096)).polygons[1].size(), 4096u);
 }
 
 /// Flips bytes, cuts the file short, or replaces its end by the end of another.
