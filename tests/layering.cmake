@@ -16,7 +16,7 @@ set(rules
 # LIBRARY HEADER PATTERN=FILES THAT MAY INCLUDE IT
 set(fences
   "embree3/=common/geometry/ray_scene.cpp"
-  "CGAL/=common/geometry/mesh_repair.cpp"
+  "CGAL/=common/geometry/mesh_[a-z]+\\.cpp"
   "OpenMesh/=common/geometry/[a-z_]+\\.cpp"
   "(Imf|Imath|OpenEXR/)=common/image/exr_io.cpp"
   "png\\.h=common/image/png_io.cpp"
