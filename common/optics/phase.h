@@ -22,4 +22,23 @@ inline float henyey_greenstein(float g, float cos_theta) {
     return (1 - g) * (1 + g) / (4 * kPi * base * std::sqrt(base));
 }
 
+/// Cosine of the angle between the directions of travel before and after, distributed as
+/// henyey_greenstein, for `u` uniform in [0, 1]: the exact inverse of the cumulative distribution.
+///
+///     cos = 1 - (1 - u) (1 - g)^2 (2 + 2 g u) / (1 - g + 2 g u)^2       for g >= 0
+///
+/// Domain   |g| <= 0.9999; the result lies in [-1, 1] and grows with u.
+/// Error    that of rounding the result, 6e-8, at every g.
+/// Source   Witt 1977, "Multiple scattering in reflection nebulae I", multiplied out so that
+/// nothing
+///          is divided by g: the usual form cancels for small g, and loses the forward peak for g
+///          near 1. A negative g mirrors the positive one.
+inline float sample_henyey_greenstein(float g, float u) {
+    const double a = std::abs(g);
+    const double v = g < 0 ? 1 - double(u) : double(u);
+    const double q = (1 - a) / (1 - a + 2 * a * v);
+    const auto cosine = static_cast<float>(1 - 2 * (1 - v) * q * q * (1 + a * v));
+    return g < 0 ? -cosine : cosine;
+}
+
 }  // namespace tallow

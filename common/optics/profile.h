@@ -33,8 +33,10 @@ inline constexpr std::array<std::pair<std::string_view, Model>, 6> kModels = {{
 /// channel, as a function of the squared distance.
 ///
 /// Units    r2 [mm^2] -> R [1/mm^2].
-/// Domain   r2 >= 0 and finite; R is finite, >= 0 and falls monotonically, at r2 = 0 too, but for
-///          normalized diffusion, which goes as 1/r there and is capped inside 1e-3 mean free paths.
+/// Domain   r2 >= 0 and finite; R is finite, >= 0 and falls monotonically, at r2 = 0 too. Towards
+///          r = 0 normalized diffusion and the first order of `transport` go as 1/r, photon beam
+///          diffusion and the other orders as -ln r: all four are softened inside 1e-3 mean free
+///          paths, see profile_models.h.
 class Profile {
 public:
     virtual ~Profile() = default;
@@ -49,6 +51,10 @@ public:
 enum class Orders { all, two_and_more };
 
 /// The profile of channel `channel` of a medium.
+///
+/// Throws   InputError for `transport` and `normalized_diffusion`, which takes its total from it,
+/// if
+///          the index is outside of the transport table, [0.7, 3].
 std::unique_ptr<Profile> make_profile(Model model, const Medium& medium, int channel,
                                       Orders orders);
 

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The better dipole: a point source at one mean free path, Grosjean's diffusion coefficient, and an
+// exitance of fluence and flux with the exact moments of the boundary.
+//
+//     R = alpha'^2 / (4 pi) (C_E flux + C_phi / D fluence),   z = 1,   z_v = 1 + 2 z_b
+//
+// with flux and fluence of image_pair(). Source: [d'Eon12]. alpha' is squared because Grosjean's
+// form describes light after its first collision.
+#include <numbers>
+
+#include "common/optics/profile_models.h"
+
+namespace tallow {
+namespace {
+
+class BetterDipole final : public ReducedProfile {
+public:
+    explicit BetterDipole(const ReducedChannel& channel)
+        : ReducedProfile(channel.sigma_t_prime),
+          alpha2_(channel.alpha_prime * channel.alpha_prime),
+          k_(diffusion_constants(channel.absorption, channel.eta)),
+          z_v_(1 + 2 * k_.z_b) {}
+
+    double reduced(double r2) const override {
+        const ImagePair pair = image_pair(r2, 1, z_v_, k_.s);
+        return alpha2_ / (4 * std::numbers::pi) *
+               (k_.C_E * pair.flux + k_.C_phi / k_.D * pair.fluence);
+    }
+
+    // alpha'^2 / 2 (C_E (e^-s + e^(-s z_v)) + C_phi / D (e^-s - e^(-s z_v)) / s)
+    double total_reflectance() const override {
+        const double gap = z_v_ - 1, x = k_.s * gap;
+        const double fluence = x > 0 ? -std::expm1(-x) / k_.s : gap;
+        return alpha2_ / 2 * std::exp(-k_.s) *
+               (k_.C_E * (1 + std::exp(-x)) + k_.C_phi / k_.D * fluence);
+    }
+
+private:
+    double alpha2_;
+    DiffusionConstants k_;
+    double z_v_;
+};
+
+}  // namespace
+
+std::unique_ptr<Profile> better_dipole_profile(const ReducedChannel& channel) {
+    return std::make_unique<BetterDipole>(channel);
+}
+
+}  // namespace tallow
