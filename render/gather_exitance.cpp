@@ -13,12 +13,19 @@ float solid_angle_for(float tolerance) { return 6 * tolerance; }
 
 }  // namespace
 
-ExitanceField::ExitanceField(const LitSamples& samples, const Medium& medium, float tolerance)
-    : max_solid_angle_(solid_angle_for(tolerance)) {
-    const double A = mismatch_A(medium.eta);
+std::array<ProfileTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders) {
+    const auto tabulate = [&](int channel) {
+        return ProfileTable(*make_profile(model, medium, channel, orders),
+                            medium.mean_free_path()[channel]);
+    };
+    return {tabulate(0), tabulate(1), tabulate(2)};
+}
+
+ExitanceField::ExitanceField(const LitSamples& samples, std::array<ProfileTable, 3> profiles,
+                             float tolerance)
+    : profiles_(std::move(profiles)), max_solid_angle_(solid_angle_for(tolerance)) {
     std::vector<float> flux(samples.position.size());
     for (int c = 0; c < 3; ++c) {
-        profile_[std::size_t(c)] = dipole_channel<float>(medium, c, A);
         parallel_for(flux.size(), 8192,
                      [&](std::size_t i) { flux[i] = samples.E_t[i][c] * samples.area[i]; });
         sums_[std::size_t(c)] =
@@ -30,12 +37,9 @@ void ExitanceField::gather(std::span<const ExitancePoint> points, std::span<Rgb>
                            std::span<std::uint32_t> evaluations) const {
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::uint64_t calls = 0;
-        for (int c = 0; c < 3; ++c) {
-            const DipoleChannel<float>& profile = profile_[std::size_t(c)];
-            const auto kernel = [&](float r2) { return diffuse_reflectance(profile, r2); };
-            exitance[i][c] = float(sums_[std::size_t(c)]->evaluate(
-                points[i].position, max_solid_angle_, kernel, calls));
-        }
+        for (std::size_t c = 0; c < 3; ++c)
+            exitance[i][int(c)] = float(
+                sums_[c]->evaluate(points[i].position, max_solid_angle_, profiles_[c], calls));
         evaluations[i] += std::uint32_t(calls);
     }
 }

@@ -6,8 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "common/optics/dipole.h"
-#include "common/optics/medium.h"
+#include "common/optics/profile_table.h"
 #include "render/lit_samples.h"
 #include "render/point_sum.h"
 
@@ -20,17 +19,20 @@ struct ExitancePoint {
     Vec3 w_o;       // unit, towards the eye
 };
 
+/// The kernels of the three channels. Some 20 ms for photon_beam_diffusion, less for the others.
+std::array<ProfileTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders);
+
 /// Radiant exitance by multiple scattering on the surface of one body.
 ///
 ///     M(x_o) = sum over samples i of R_d(|x_o - x_i|) E_t(x_i) A_i
 ///
 /// Each channel is a scalar sum of its own (PointSum): kernels differ, and so may positions.
-/// Source   [JB02] section 3; [JMLH01] eq. 4 for R_d.
+/// Source   [JB02] section 3.
 class ExitanceField {
 public:
     /// `tolerance` is the accepted relRMSE of the hierarchy against the plain sum; 0 means the
     /// plain sum. It sets the solid angle of [JB02]; docs/EVALUATOR.md has the measured relation.
-    ExitanceField(const LitSamples& samples, const Medium& medium, float tolerance);
+    ExitanceField(const LitSamples& samples, std::array<ProfileTable, 3> profiles, float tolerance);
 
     /// exitance[i] in W/mm^2 at points[i]; neighbours should follow one another. Adds the number
     /// of kernel evaluations (all channels) at each point to evaluations[i]. Thread-safe.
@@ -38,7 +40,7 @@ public:
                 std::span<std::uint32_t> evaluations) const;
 
 private:
-    std::array<DipoleChannel<float>, 3> profile_;
+    std::array<ProfileTable, 3> profiles_;
     std::array<std::unique_ptr<PointSum>, 3> sums_;
     float max_solid_angle_;
 };

@@ -175,6 +175,11 @@ std::vector<Tile> cut_into_tiles(const Tile& crop) {
     return tiles;
 }
 
+// What single scattering does not add, the exitance must hold.
+Orders orders_of_exitance(const SubsurfaceMaterial& material) {
+    return material.single_scattering == Switch::off ? Orders::all : Orders::two_and_more;
+}
+
 std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const CacheView& cache,
                                                 Stats& stats) {
     std::vector<std::optional<Body>> bodies(scene.objects.size());
@@ -184,9 +189,12 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const CacheV
         const LitSamples lit_samples = light_samples(view, scene.groups);
         samples += std::int64_t(view.positions.size());
         lit += std::int64_t(lit_samples.position.size());
-        bodies[view.object].emplace(
-            Body{material, surface_factors(*material),
-                 ExitanceField(lit_samples, material->medium, scene.settings.tolerance)});
+        bodies[view.object].emplace(Body{
+            material, surface_factors(*material),
+            ExitanceField(
+                lit_samples,
+                tabulate_profiles(material->model, material->medium, orders_of_exitance(*material)),
+                scene.settings.tolerance)});
     }
     stats.counts["samples"] = samples;
     stats.counts["lit_samples"] = lit;

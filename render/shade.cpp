@@ -4,7 +4,6 @@
 
 #include "common/base/overloaded.h"
 #include "common/base/rng.h"
-#include "common/optics/dipole.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
@@ -71,10 +70,10 @@ Rgb albedo(const Material& material) {
     return std::visit(
         Overloaded{
             [](const SubsurfaceMaterial& m) {
-                const double A = mismatch_A(m.medium.eta);
                 Rgb total;
                 for (int c = 0; c < 3; ++c)
-                    total[c] = float(total_reflectance(dipole_channel<double>(m.medium, c, A)));
+                    total[c] =
+                        float(make_profile(m.model, m.medium, c, Orders::all)->total_reflectance());
                 return total;
             },
             [](const DiffuseMaterial& m) { return m.reflectance; },

@@ -11,7 +11,8 @@ set(rules
   "common/scene=common/base|common/optics|common/geometry|common/scene"
   "common/cloud=common/base|common/optics|common/geometry|common/image|common/scene|common/cloud"
   "precompute=common|precompute"
-  "render=common|render")
+  "render=common|render"
+  "material=common|precompute|render|material")
 
 # LIBRARY HEADER PATTERN=FILES THAT MAY INCLUDE IT
 set(fences
@@ -22,13 +23,14 @@ set(fences
   "png\\.h=common/image/png_io.cpp"
   "yaml-cpp/=common/scene/yaml_[a-z]+\\.(h|cpp)"
   "CLI/=common/base/cli.cpp"
-  "nlohmann/=common/base/stats.cpp"
+  "nlohmann/=(common/base/stats|material/material_json).cpp"
   "SDL=viewer/.*")
 
 set(errors "")
 file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR}
   ${SOURCE_DIR}/common/*.h ${SOURCE_DIR}/common/*.cpp ${SOURCE_DIR}/precompute/*.h
-  ${SOURCE_DIR}/precompute/*.cpp ${SOURCE_DIR}/render/*.h ${SOURCE_DIR}/render/*.cpp)
+  ${SOURCE_DIR}/precompute/*.cpp ${SOURCE_DIR}/render/*.h ${SOURCE_DIR}/render/*.cpp
+  ${SOURCE_DIR}/material/*.h ${SOURCE_DIR}/material/*.cpp)
 if(NOT files)
   message(FATAL_ERROR "no sources under ${SOURCE_DIR}")
 endif()
@@ -40,7 +42,8 @@ foreach(file IN LISTS files)
       string(REGEX MATCH "^([^=]+)=(.*)$" _ "${rule}")
       set(folder "${CMAKE_MATCH_1}")
       set(allowed "${CMAKE_MATCH_2}")
-      if(file MATCHES "^${folder}/" AND header MATCHES "^(common|precompute|render|viewer)/"
+      if(file MATCHES "^${folder}/"
+          AND header MATCHES "^(common|precompute|render|material|viewer)/"
           AND NOT header MATCHES "^(${allowed})/")
         list(APPEND errors "${file} includes ${header}: a wrong arrow")
       endif()

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "common/scene/geometry_yaml.h"
 #include "common/scene/scene.h"
 #include "common/scene/yaml_map.h"
 
@@ -12,7 +13,8 @@ namespace tallow {
 /// Throws fail_at() for what is missing, contradicts itself or is outside of Medium's domain.
 Medium read_medium(const YamlMap& map);
 
-/// The `materials` section: a map from name to material, in file order.
-std::vector<Material> read_materials(const YamlNode& section);
+/// The `materials` section: a map from name to material, in file order. `lengths` converts the mean
+/// free paths; coefficients are in 1/mm in every scene.
+std::vector<Material> read_materials(const YamlNode& section, const LengthReader& lengths);
 
 }  // namespace tallow

@@ -11,6 +11,7 @@
 #include "common/geometry/mesh_repair.h"
 #include "common/geometry/surface.h"
 #include "common/optics/medium.h"
+#include "common/optics/profile.h"
 #include "common/scene/camera.h"
 #include "common/scene/light.h"
 
@@ -27,6 +28,7 @@ enum class Switch { automatic, on, off };
 
 struct SubsurfaceMaterial {
     Medium medium;
+    Model model = Model::transport;
     Exit exit = Exit::normalized;
     Switch single_scattering = Switch::automatic;
 };

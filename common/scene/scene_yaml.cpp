@@ -68,7 +68,7 @@ Scene read_scene(YamlNode root, const std::filesystem::path& file,
     scene.file = file;
     scene.mm_per_unit = read_unit(map);
     LengthReader lengths{scene.mm_per_unit};
-    if (map.has("materials")) scene.materials = read_materials(map.at("materials"));
+    if (map.has("materials")) scene.materials = read_materials(map.at("materials"), lengths);
     if (map.has("objects")) {
         PlacedObjects placed =
             read_objects(map.list("objects"), scene.materials, file.parent_path(), lengths);

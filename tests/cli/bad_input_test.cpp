@@ -76,8 +76,14 @@ TEST(BadInput, Scenes) {
         "scene.yaml",
         {
             {"preset: marble", "preset: granite",
-             "scene.yaml:4:37: preset: expected one of apple, chicken1, chicken2, cream, ketchup, "
-             "marble, potato, skimmilk, skin1, skin2, spectralon, wholemilk, got 'granite'"},
+             "scene.yaml:4:37: preset: expected one of apple, apple-juice, budweiser-beer, "
+             "chardonnay, chicken1, chicken2, clorox, coke, coors-light-beer, cranberry-juice, "
+             "cream, espresso, gatorade, grape-juice, head-and-shoulders-shampoo, ketchup, "
+             "lowfat-chocolate-milk, lowfat-milk, lowfat-soy-milk, marble, merlot, "
+             "mint-mocha-coffee, pepsi, potato, reduced-milk, regular-chocolate-milk, "
+             "regular-milk, regular-soy-milk, ruby-grapefruit-juice, shampoo, skimmilk, skin1, "
+             "skin2, spectralon, sprite, strawberry-shampoo, white-grapefruit-juice, "
+             "white-zinfandel, wholemilk, got 'granite'"},
             {"preset: marble", "sigma_a: -1, sigma_s_prime: 1, eta: 1.3",
              "scene.yaml:4:38: sigma_a: expected a number >= 0, got '-1'"},
             {"preset: marble", "sigma_a: 0, sigma_s_prime: 0, eta: 1.3",
@@ -88,7 +94,8 @@ TEST(BadInput, Scenes) {
             {"preset: marble", "preset: marble, preset: skin1",
              "scene.yaml:4:45: preset: given twice, first at scene.yaml:4:29"},
             {"preset: marble", "preset: marble, model: tripole",
-             "scene.yaml:4:52: model: expected one of dipole, got 'tripole'"},
+             "scene.yaml:4:52: model: expected one of dipole, classic-dipole, better-dipole, "
+             "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
             {"preset: marble", "sigma_a: [1, 2], sigma_s_prime: 1, eta: 1.3",
              "scene.yaml:4:38: sigma_a: expected a number or three [r, g, b], got a list of 2"},
             {"preset: marble", "sigma_a: .nan, sigma_s_prime: 1, eta: 1.3",
@@ -201,8 +208,10 @@ TEST(BadInput, Flags) {
          "exitance, albedo, N, P, Z, evaluations, got 'depth'"},
         {true, with(rendering, {"--aovs", "Z,Z"}), "--aovs: 'Z' is asked for twice"},
         {true, with(rendering, {"--set", "materials.stone.colour=1"}),
-         "--set materials.stone.colour: unknown key, expected one of type, preset, sigma_a, "
-         "sigma_s_prime, sigma_s, g, eta, model, single_scattering, exit, surface"},
+         "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "
+         "sigma_a, "
+         "sigma_s_prime, sigma_s, diffuse_color, mean_free_path, g, eta, model, single_scattering, "
+         "exit, surface"},
         {true, with(rendering, {"--set", "materials.wax.eta=1.4"}),
          "--set materials.wax.eta: materials has no 'wax'"},
         {true, with(rendering, {"--set", "eta"}), "--set: expected KEY=VALUE, got 'eta'"},

@@ -80,7 +80,7 @@ TEST(Pipeline, UniformlyLitHalfSpaceGivesTheTotalReflectance) {
 cameras:
   main: {type: perspective, position: [0, 4, 0], look_at: [0, 0, 0], up: [0, 0, 1], fov_deg: 10, resolution: [4, 4]}
 materials:
-  ground: {type: subsurface, sigma_s_prime: [2, 2, 2], sigma_a: [0.5, 0.3, 0.2], eta: 1.3}
+  ground: {type: subsurface, sigma_s_prime: [2, 2, 2], sigma_a: [0.5, 0.3, 0.2], eta: 1.3, model: dipole}
 objects:
   - {shape: plane, point: [0, 0, 0], normal: [0, 1, 0], radius: 14, material: ground}
 lights:

@@ -94,10 +94,17 @@ TEST(SceneErrors, Materials) {
          "scene.yaml:2:53: eta: expected a relative index in [1, 3], got '0.9'"},
         {"a.b: {type: mirror}",
          "scene.yaml:2:13: expected a name without '.', ',', '=', got 'a.b'"},
-        {"a: {type: subsurface}", "scene.yaml:2:16: missing key 'preset' or 'sigma_a'"},
+        {"a: {type: subsurface}",
+         "scene.yaml:2:16: missing key 'preset', 'sigma_a' or 'diffuse_color'"},
         {"a: {type: subsurface, preset: marbel}",
-         "scene.yaml:2:43: preset: expected one of apple, chicken1, chicken2, cream, ketchup, "
-         "marble, potato, skimmilk, skin1, skin2, spectralon, wholemilk, got 'marbel'"},
+         "scene.yaml:2:43: preset: expected one of apple, apple-juice, budweiser-beer, "
+         "chardonnay, chicken1, chicken2, clorox, coke, coors-light-beer, cranberry-juice, "
+         "cream, espresso, gatorade, grape-juice, head-and-shoulders-shampoo, ketchup, "
+         "lowfat-chocolate-milk, lowfat-milk, lowfat-soy-milk, marble, merlot, "
+         "mint-mocha-coffee, pepsi, potato, reduced-milk, regular-chocolate-milk, "
+         "regular-milk, regular-soy-milk, ruby-grapefruit-juice, shampoo, skimmilk, skin1, "
+         "skin2, spectralon, sprite, strawberry-shampoo, white-grapefruit-juice, "
+         "white-zinfandel, wholemilk, got 'marbel'"},
         {"a: {type: subsurface, preset: marble, sigma_a: 1}",
          "scene.yaml:2:51: sigma_a: cannot be given together with 'preset'"},
         {"a: {type: subsurface, sigma_s_prime: 1, preset: marble}",
@@ -123,8 +130,9 @@ TEST(SceneErrors, Materials) {
          "scene.yaml:2:44: sigma_a: expected a magnitude of at most 1e+12, got '1e39'"},
         {"a: {type: subsurface, sigma_a: 1e13, sigma_s_prime: 1, eta: 1.3}",
          "scene.yaml:2:44: sigma_a: expected a magnitude of at most 1e+12, got '1e13'"},
-        {"a: {type: subsurface, preset: marble, model: transport}",
-         "scene.yaml:2:58: model: expected one of dipole, got 'transport'"},
+        {"a: {type: subsurface, preset: marble, model: tripole}",
+         "scene.yaml:2:58: model: expected one of dipole, classic-dipole, better-dipole, "
+         "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
         {"a: {type: subsurface, preset: marble, single_scattering: yes}",
          "scene.yaml:2:70: single_scattering: expected one of auto, on, off, got 'yes'"},
         {"a: {type: subsurface, preset: marble, exit: lambert}",
