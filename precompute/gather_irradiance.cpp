@@ -55,7 +55,7 @@ private:
             const Rgb E_t =
                 sample->radiance * (fresnel_transmittance(eta_, cos_i) * cos_i / float(count));
             candidates_.push_back({std::uint32_t(i), E_t, *w_refracted});
-            shadow_rays_.push_back({offset_origin(x, n, n), sample->w_i, sample->distance});
+            shadow_rays_.push_back({rays_.offset_origin(x, n, n), sample->w_i, sample->distance});
         }
     }
 

@@ -51,7 +51,8 @@ public:
             if (max_channel(throughput) < kLeastThroughput) return;
             Vec3 direction = reflect(w_o, hit->n);
             if (glm::dot(direction, hit->n_g) <= 0) direction = reflect(w_o, hit->n_g);
-            ray = {offset_origin(hit->position, hit->n_g, direction), glm::normalize(direction)};
+            ray = {rays_.offset_origin(hit->position, hit->n_g, direction),
+                   glm::normalize(direction)};
         }
     }
 

@@ -25,7 +25,7 @@ Rgb gather_light(const Scene& scene, const RayScene& rays, const ShadingPoint& p
             if (!sample) continue;
             const float cos_i = glm::dot(sample->w_i, hit.n);
             if (cos_i <= 0 || glm::dot(sample->w_i, hit.n_g) <= 0) continue;
-            const Vec3 origin = offset_origin(hit.position, hit.n_g, sample->w_i);
+            const Vec3 origin = rays.offset_origin(hit.position, hit.n_g, sample->w_i);
             if (rays.occluded(ShadowRay{origin, sample->w_i, sample->distance})) continue;
             sum += cos_i * transmittance(cos_i) * sample->radiance;
         }

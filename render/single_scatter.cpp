@@ -83,8 +83,8 @@ public:
         const float cos_i = cos_n > 0 ? cos_n : cos_g;
         const auto w_refracted = refract(sample->w_i, n, medium_.eta);
         if (!w_refracted) return {};
-        const ShadowRay outside{offset_origin(exit->position, exit->n_g, sample->w_i), sample->w_i,
-                                sample->distance - exit->t};
+        const ShadowRay outside{rays_.offset_origin(exit->position, exit->n_g, sample->w_i),
+                                sample->w_i, sample->distance - exit->t};
         if (rays_.occluded(outside)) return {};
 
         const float ratio = cos_i / refracted_cosine(medium_.eta, cos_i);
@@ -117,7 +117,7 @@ Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surf
     const float cos_o = glm::dot(w_o, hit.n);
     const auto w_inside = refract(w_o, hit.n, medium.eta);
     if (!w_inside || max_channel(medium.sigma_s_prime) == 0) return {};
-    const Vec3 start = offset_origin(hit.position, hit.n_g, *w_inside);
+    const Vec3 start = rays.offset_origin(hit.position, hit.n_g, *w_inside);
     const auto far_side = rays.intersect_object({start, *w_inside}, hit.object);
     const float s_max = far_side ? glm::length(far_side->position - hit.position) : kInfinity;
     if (!(s_max > 0)) return {};

@@ -6,7 +6,8 @@
 
 #include <embree3/rtcore.h>
 
-#include <bit>
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -150,6 +151,25 @@ RTCGeometry mesh_geometry(RTCDevice device, const TriangleMesh& mesh) {
     return geometry;
 }
 
+float largest_component(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// Largest coordinate of a surface; of an unbounded plane that of its point.
+float largest_coordinate(const Surface& surface) {
+    if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
+        float largest = 0;
+        for (Vec3 v : mesh->vertices) largest = std::max(largest, largest_component(v));
+        return largest;
+    }
+    if (const auto* plane = std::get_if<PlaneSurface>(&surface))
+        return largest_component(plane->point) + (std::isinf(plane->radius) ? 0 : plane->radius);
+    const Affine& to_world = std::holds_alternative<SphereSurface>(surface)
+                                 ? std::get<SphereSurface>(surface).to_world
+                                 : std::get<DiscSurface>(surface).to_world;
+    float reach = 0;
+    for (int i = 0; i < 3; ++i) reach = std::max(reach, glm::length(to_world.linear[i]));
+    return largest_component(to_world.translation) + reach;
+}
+
 RTCGeometry user_geometry(RTCDevice device, UnitShape& shape) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, 1);
@@ -162,26 +182,11 @@ RTCGeometry user_geometry(RTCDevice device, UnitShape& shape) {
 
 }  // namespace
 
-Vec3 offset_origin(Vec3 position, Vec3 n_g, Vec3 direction) {
-    constexpr float kNearZero = 1.0f / 32, kFloatStep = 1.0f / 65536, kIntStep = 256;
-    const Vec3 n = glm::dot(n_g, direction) >= 0 ? n_g : -n_g;
-    Vec3 result;
-    for (int i = 0; i < 3; ++i) {
-        if (std::abs(position[i]) < kNearZero) {
-            result[i] = position[i] + kFloatStep * n[i];
-            continue;
-        }
-        const auto step = static_cast<std::int32_t>(kIntStep * n[i]);
-        result[i] = std::bit_cast<float>(std::bit_cast<std::int32_t>(position[i]) +
-                                         (position[i] < 0 ? -step : step));
-    }
-    return result;
-}
-
 struct RayScene::Impl {
     std::span<const Surface> surfaces;
     std::vector<UnitShape> unit_shapes;  // [object]; unused for meshes and planes
     std::vector<std::uint32_t> planes;   // objects that are planes
+    float extent = 0;                    // largest coordinate of any surface, mm
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
 
@@ -209,6 +214,7 @@ struct RayScene::Impl {
 
     void add(std::uint32_t object) {
         const Surface& surface = surfaces[object];
+        extent = std::max(extent, largest_coordinate(surface));
         RTCGeometry geometry = nullptr;
         if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
             geometry = mesh_geometry(device, *mesh);
@@ -300,6 +306,15 @@ std::optional<Hit> RayScene::intersect_object(const Ray& ray, std::uint32_t obje
         travelled += hit->t;
         rest.origin = offset_origin(hit->position, hit->n_g, ray.direction);
     }
+}
+
+Vec3 RayScene::offset_origin(Vec3 position, Vec3 n_g, Vec3 direction) const {
+    constexpr float kOffset = 0x1p-15f, kNearOrigin = 0x1p-6f;
+    // A scene of nothing but planes through the origin has no scale: then 1 mm stands for it.
+    const float extent = impl_->extent > 0 ? impl_->extent : 1;
+    const float reach = std::max(largest_component(position), kNearOrigin * extent);
+    const Vec3 n = glm::dot(n_g, direction) >= 0 ? n_g : -n_g;
+    return position + kOffset * reach * n;
 }
 
 bool RayScene::occluded(const ShadowRay& ray) const {

@@ -27,11 +27,6 @@ struct ShadowRay {
     float length;    // mm; infinite for a light at infinity
 };
 
-/// Start of a ray that leaves the surface at `position` towards the side of `direction`: moved
-/// along the geometric normal by a few hundred units in the last place.
-/// Source: Wächter, Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection".
-Vec3 offset_origin(Vec3 position, Vec3 n_g, Vec3 direction);
-
 /// All surfaces of a scene, ready for ray queries from any thread. The only user of Embree.
 class RayScene {
 public:
@@ -47,6 +42,14 @@ public:
     /// Nearest hit with one surface only: where a ray inside a body leaves it.
     std::optional<Hit> intersect_object(const Ray& ray, std::uint32_t object,
                                         float length = kInfinity) const;
+
+    /// Start of a ray that leaves the surface at `position` towards the side of `direction`: moved
+    /// along the geometric normal by 2^-15 of the largest coordinate (256 units in the last place),
+    /// or, near the origin, of 1/64 of the scene's. Small against the scene at any scale of it.
+    ///
+    /// Source   Wächter, Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection",
+    ///          for the number of units; their absolute step near the origin is replaced.
+    Vec3 offset_origin(Vec3 position, Vec3 n_g, Vec3 direction) const;
 
     bool occluded(const ShadowRay& ray) const;
 
