@@ -29,6 +29,7 @@ struct Body {
     const SubsurfaceMaterial* material;
     SurfaceFactors factors;
     ExitanceField exitance;
+    std::optional<RefractedConnections> connections;  // where single scattering is to be exact
 };
 
 /// Seconds of thread time in each phase of a tile, and what was counted.
@@ -142,7 +143,8 @@ private:
             if (!body || body->material->single_scattering == Switch::off) continue;
             add(point, &Pixel::single,
                 single_scatter(scene_, rays_, geometry_.surfaces[point.hit.object],
-                               body->material->medium, point.hit, point.w_o, steps, point.seed));
+                               body->material->medium, point.hit, point.w_o, steps, point.seed,
+                               body->connections ? &*body->connections : nullptr));
         }
     }
 
@@ -180,8 +182,8 @@ Orders orders_of_exitance(const SubsurfaceMaterial& material) {
     return material.single_scattering == Switch::off ? Orders::all : Orders::two_and_more;
 }
 
-std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const CacheView& cache,
-                                                Stats& stats) {
+std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneGeometry& geometry,
+                                                const CacheView& cache, Stats& stats) {
     std::vector<std::optional<Body>> bodies(scene.objects.size());
     std::int64_t samples = 0, lit = 0;
     for (const BodyView& view : cache.bodies) {
@@ -190,11 +192,16 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const CacheV
         samples += std::int64_t(view.positions.size());
         lit += std::int64_t(lit_samples.position.size());
         bodies[view.object].emplace(Body{
-            material, surface_factors(*material),
+            material,
+            surface_factors(*material),
             ExitanceField(
                 lit_samples,
                 tabulate_profiles(material->model, material->medium, orders_of_exitance(*material)),
-                scene.settings.tolerance)});
+                scene.settings.tolerance),
+            {}});
+        if (material->connection == Connection::exact)
+            bodies[view.object]->connections.emplace(geometry.surfaces[view.object],
+                                                     material->medium.eta);
     }
     stats.counts["samples"] = samples;
     stats.counts["lit_samples"] = lit;
@@ -230,7 +237,7 @@ Image render_image(const Scene& scene, const SceneGeometry& geometry, const Cach
     require_camera_outside(scene, rays, camera);
 
     PhaseTimer prepare_timer(stats, "octree");
-    const auto bodies = prepare_bodies(scene, cache, stats);
+    const auto bodies = prepare_bodies(scene, geometry, cache, stats);
     prepare_timer.stop();
     std::vector<Rgb> albedos;
     for (const Material& material : scene.materials) albedos.push_back(albedo(material));

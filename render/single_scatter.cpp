@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Single scattering by marching the refracted eye ray, with straight shadow rays through the
-// surface and a corrected length inside.
+// Single scattering by marching the refracted eye ray. From each depth light is followed either
+// along straight shadow rays through the surface with a corrected length inside, or along all paths
+// that are refracted at the surface.
 #include "render/single_scatter.h"
 
 #include <cmath>
@@ -60,10 +61,12 @@ private:
 class SingleScatter {
 public:
     SingleScatter(const Scene& scene, const RayScene& rays, const Surface& surface,
-                  const Medium& medium, const Hit& hit, Vec3 w_inside)
+                  const RefractedConnections* exact, const Medium& medium, const Hit& hit,
+                  Vec3 w_inside)
         : scene_(scene),
           rays_(rays),
           surface_(surface),
+          exact_(exact),
           medium_(medium),
           sigma_t_(medium.sigma_t()),
           object_(hit.object),
@@ -72,7 +75,14 @@ public:
     /// Radiance scattered at x from light number `light` into the direction back to the eye,
     /// without sigma_s: integral of p L F_t cos_i / cos_i' e^(-sigma_t s_i').
     Rgb in_scattered(Vec3 x, std::size_t light, Vec2 u) const {
-        const auto sample = sample_light(scene_.lights[light], x, std::nullopt, u);
+        const Rgb scale = scene_.groups[scene_.lights[light].group].scale;
+        return scale * (exact_ != nullptr ? along_refracted_paths(x, scene_.lights[light], u)
+                                          : along_straight_line(x, scene_.lights[light], u));
+    }
+
+private:
+    Rgb along_straight_line(Vec3 x, const Light& light, Vec2 u) const {
+        const auto sample = sample_light(light, x, std::nullopt, u);
         if (!sample) return {};
         const auto exit = rays_.intersect_object({x, sample->w_i}, object_, sample->distance);
         if (!exit || !admits_light(exit->position)) return {};
@@ -90,11 +100,32 @@ public:
         const float ratio = cos_i / refracted_cosine(medium_.eta, cos_i);
         const float phase = henyey_greenstein(medium_.g, -glm::dot(*w_refracted, w_inside_));
         const float transmitted = fresnel_transmittance(medium_.eta, cos_i);
-        const Rgb radiance = sample->radiance * scene_.groups[scene_.lights[light].group].scale;
-        return phase * transmitted * ratio * radiance * exp(-exit->t * ratio * sigma_t_);
+        return phase * transmitted * ratio * sample->radiance * exp(-exit->t * ratio * sigma_t_);
     }
 
-private:
+    Rgb along_refracted_paths(Vec3 x, const Light& light, Vec2 u) const {
+        const LightPoint y = sample_light_point(light, u);
+        Rgb sum;
+        for (const RefractedPath& path : exact_->find(x, y)) {
+            const Rgb intensity = intensity_towards(light, y, -path.w_i);
+            if (max_channel(intensity) == 0 || !std::isfinite(path.spread) || blocked(x, path))
+                continue;
+            const float phase = henyey_greenstein(medium_.g, -glm::dot(path.w_inside, w_inside_));
+            const float cos_i = std::min(1.0f, glm::dot(path.w_i, path.n));
+            const float transmitted = fresnel_transmittance(medium_.eta, cos_i);
+            sum += phase * transmitted * path.spread * intensity * exp(-path.inside * sigma_t_);
+        }
+        return sum;
+    }
+
+    // Whether the body ends before x_i on the way from x, or something stands before the light.
+    bool blocked(Vec3 x, const RefractedPath& path) const {
+        constexpr float kShort = 1 - 1e-4f;  // stops before x_i itself
+        if (rays_.intersect_object({x, -path.w_inside}, object_, kShort * path.inside)) return true;
+        return rays_.occluded(
+            {rays_.offset_origin(path.position, path.n_g, path.w_i), path.w_i, path.outside});
+    }
+
     // A half-space takes light only through its opening.
     bool admits_light(Vec3 x) const {
         const auto* plane = std::get_if<PlaneSurface>(&surface_);
@@ -104,6 +135,7 @@ private:
     const Scene& scene_;
     const RayScene& rays_;
     const Surface& surface_;
+    const RefractedConnections* exact_;
     const Medium& medium_;
     Rgb sigma_t_;
     std::uint32_t object_;
@@ -113,7 +145,8 @@ private:
 }  // namespace
 
 Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surface,
-                   const Medium& medium, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed) {
+                   const Medium& medium, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed,
+                   const RefractedConnections* exact) {
     const float cos_o = glm::dot(w_o, hit.n);
     const auto w_inside = refract(w_o, hit.n, medium.eta);
     if (!w_inside || max_channel(medium.sigma_s_prime) == 0) return {};
@@ -124,7 +157,7 @@ Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surf
 
     const Rgb sigma_t = medium.sigma_t();
     const DepthSampler depths(sigma_t, s_max);
-    const SingleScatter scatter(scene, rays, surface, medium, hit, *w_inside);
+    const SingleScatter scatter(scene, rays, surface, exact, medium, hit, *w_inside);
     Rgb sum;  // depths count from the surface itself: the offset only keeps the march off it
     for (int k = 0; k < steps; ++k) {
         const float jitter = to_unit_float(random_bits(seed, 0, std::uint64_t(k)));

@@ -85,14 +85,17 @@ Sample sample_sphere(const SphereLight& sphere, Vec3 x, Vec2 u) {
     return LightSample{w_i, distance, kTwoPi * one_minus_cos_max * sphere.radiance};
 }
 
-Sample sample_environment(const EnvironmentLight& light, std::optional<Vec3> n, Vec2 u) {
+// Uniform on the unit sphere.
+Vec3 any_direction(Vec2 u) {
     const float phi = kTwoPi * u.y;
-    if (!n) {
-        const float z = 1 - 2 * u.x;
-        const float sine = std::sqrt(std::max(0.0f, 1 - z * z));
-        const Vec3 w_i(sine * std::cos(phi), sine * std::sin(phi), z);
-        return LightSample{w_i, kInfinity, 4 * kPi * light.radiance};
-    }
+    const float z = 1 - 2 * u.x;
+    const float sine = std::sqrt(std::max(0.0f, 1 - z * z));
+    return {sine * std::cos(phi), sine * std::sin(phi), z};
+}
+
+Sample sample_environment(const EnvironmentLight& light, std::optional<Vec3> n, Vec2 u) {
+    if (!n) return LightSample{any_direction(u), kInfinity, 4 * kPi * light.radiance};
+    const float phi = kTwoPi * u.y;
     // pdf = cos / pi. 1 - u.x lies in (0, 1], so that the cosine is never zero.
     const float cosine = std::sqrt(1 - u.x);
     const float sine = std::sqrt(u.x);
@@ -133,6 +136,44 @@ std::optional<LightSample> sample_light(const Light& light, Vec3 x, std::optiona
             [&](const EnvironmentLight& l) { return sample_environment(l, n, u); },
         },
         light.shape);
+}
+
+LightPoint sample_light_point(const Light& light, Vec2 u) {
+    return std::visit(Overloaded{
+                          [](const PointLight& l) {
+                              return LightPoint{l.position, Vec3(0), l.intensity};
+                          },
+                          [](const DirectionalLight& l) {
+                              return LightPoint{-l.direction, l.direction, l.irradiance, true};
+                          },
+                          [](const SpotLight& l) {
+                              return LightPoint{l.position, l.direction, l.intensity};
+                          },
+                          [&](const QuadLight& l) {
+                              const float area = glm::length(glm::cross(l.u, l.v));
+                              return LightPoint{l.center + (u.x - 0.5f) * l.u + (u.y - 0.5f) * l.v,
+                                                l.normal, area * l.radiance};
+                          },
+                          [&](const SphereLight& l) {
+                              const Vec3 n = any_direction(u);
+                              return LightPoint{l.center + l.radius * n, n,
+                                                4 * kPi * l.radius * l.radius * l.radiance};
+                          },
+                          [&](const EnvironmentLight& l) {
+                              const Vec3 w = any_direction(u);
+                              return LightPoint{w, -w, 4 * kPi * l.radiance, true};
+                          },
+                      },
+                      light.shape);
+}
+
+Rgb intensity_towards(const Light& light, const LightPoint& point, Vec3 w) {
+    const float cosine = glm::dot(w, point.axis);
+    if (const auto* spot = std::get_if<SpotLight>(&light.shape))
+        return cone_falloff(*spot, cosine) * point.strength;
+    const bool has_area = std::holds_alternative<QuadLight>(light.shape) ||
+                          std::holds_alternative<SphereLight>(light.shape);
+    return has_area ? std::max(0.0f, cosine) * point.strength : point.strength;
 }
 
 std::optional<Emission> see_light(const Light& light, const Ray& ray) {

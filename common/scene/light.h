@@ -78,6 +78,23 @@ bool is_delta(const Light& light);
 /// directions). `u` in [0, 1)^2; ignored by delta lights. Nothing if none can reach it.
 std::optional<LightSample> sample_light(const Light& light, Vec3 x, std::optional<Vec3> n, Vec2 u);
 
+/// Where light sets out, drawn without knowing a receiver: for light that is bent on its way.
+struct LightPoint {
+    Vec3 position;    ///< mm; of a light at infinity the unit direction towards it
+    Vec3 axis{0.0f};  ///< normal of the light there
+    Rgb strength;     ///< over the pdf: intensity along `axis` of an area element, of a point
+                      ///< light in any direction; irradiance of parallel light
+    bool at_infinity = false;
+};
+
+/// Quads and spheres are drawn by area, the environment from all directions. `u` in [0, 1)^2;
+/// ignored by delta lights. The average over samples of intensity_towards() is that of the light.
+LightPoint sample_light_point(const Light& light, Vec2 u);
+
+/// Intensity in W/sr that leaves a light's sample in unit direction w, or irradiance of parallel
+/// light.
+Rgb intensity_towards(const Light& light, const LightPoint& point, Vec3 w);
+
 /// What a ray sees of a light, obstacles not considered.
 struct Emission {
     float t;  ///< distance, mm; infinite for an environment

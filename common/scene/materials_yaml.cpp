@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <ranges>
+#include <tuple>
 
 #include "common/optics/invert_medium.h"
 #include "common/scene/presets.h"
@@ -134,6 +135,18 @@ Medium read_any_medium(const YamlMap& map, Model model, const LengthReader& leng
     return read_medium(map);
 }
 
+std::pair<Switch, Connection> read_single_scattering(const YamlMap& map) {
+    constexpr std::pair kAuto(Switch::automatic, Connection::straight);
+    constexpr std::pair kStraight(Switch::on, Connection::straight);
+    return map.choice_or("single_scattering",
+                         {{"auto", kAuto},
+                          {"on", kStraight},
+                          {"off", std::pair(Switch::off, Connection::straight)},
+                          {"straight", kStraight},
+                          {"exact", std::pair(Switch::on, Connection::exact)}},
+                         kAuto);
+}
+
 MaterialKind read_subsurface(const YamlMap& map, const LengthReader& lengths) {
     map.allow_only({"type", "preset", "dilution", "sigma_a", "sigma_s_prime", "sigma_s",
                     "diffuse_color", "mean_free_path", "g", "eta", "model", "single_scattering",
@@ -145,10 +158,7 @@ MaterialKind read_subsurface(const YamlMap& map, const LengthReader& lengths) {
     map.choice_or("surface", {{"smooth", 0}}, 0);
     material.exit = map.choice_or(
         "exit", {{"normalized", Exit::normalized}, {"classic", Exit::classic}}, material.exit);
-    material.single_scattering =
-        map.choice_or("single_scattering",
-                      {{"auto", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}},
-                      material.single_scattering);
+    std::tie(material.single_scattering, material.connection) = read_single_scattering(map);
     return material;
 }
 

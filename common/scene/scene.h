@@ -26,11 +26,18 @@ enum class Exit {
 /// A term may be computed always, never, or where it can matter.
 enum class Switch { automatic, on, off };
 
+/// How light is followed through a body's surface to where it scatters once.
+enum class Connection {
+    straight,  ///< along a straight line, its length inside corrected
+    exact      ///< along every path that obeys Snell's law
+};
+
 struct SubsurfaceMaterial {
     Medium medium;
     Model model = Model::transport;
     Exit exit = Exit::normalized;
     Switch single_scattering = Switch::automatic;
+    Connection connection = Connection::straight;
 };
 
 /// Lambertian reflection.

@@ -134,7 +134,8 @@ TEST(SceneErrors, Materials) {
          "scene.yaml:2:58: model: expected one of dipole, classic-dipole, better-dipole, "
          "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
         {"a: {type: subsurface, preset: marble, single_scattering: yes}",
-         "scene.yaml:2:70: single_scattering: expected one of auto, on, off, got 'yes'"},
+         "scene.yaml:2:70: single_scattering: expected one of auto, on, off, straight, exact, got "
+         "'yes'"},
         {"a: {type: subsurface, preset: marble, exit: lambert}",
          "scene.yaml:2:57: exit: expected one of normalized, classic, got 'lambert'"},
         {"a: {type: subsurface, preset: marble, surface: rough}",

@@ -55,6 +55,7 @@ TEST(SceneYaml, ReadsMaterials) {
     EXPECT_EQ(body.medium.eta, 1.5f);
     EXPECT_EQ(body.exit, Exit::classic);
     EXPECT_EQ(body.single_scattering, Switch::on);
+    EXPECT_EQ(body.connection, Connection::straight);
     const auto& candle = material_of<SubsurfaceMaterial>(scene, 1);
     EXPECT_EQ(candle.medium.sigma_a, Rgb(0.002f, 0.006f, 0.03f));
     EXPECT_EQ(candle.medium.sigma_s_prime, Rgb(1.9f, 1.6f, 1.1f));
@@ -79,6 +80,21 @@ TEST(SceneYaml, PresetKeepsItsCoefficientsUnderAnotherIndexAndPhase) {
     EXPECT_EQ(medium.sigma_s_prime, Rgb(0.7f, 1.22f, 1.9f));
     EXPECT_EQ(medium.eta, 1.4f);
     EXPECT_EQ(medium.g, 0.9f);
+}
+
+TEST(SceneYaml, SingleScatteringNamesItsConnection) {
+    const auto material = [](const std::string& value) {
+        return material_of<SubsurfaceMaterial>(
+            scene_of(kCamera +
+                     "materials: {a: {type: subsurface, preset: marble, single_scattering: " +
+                     value + "}}\n"),
+            0);
+    };
+    EXPECT_EQ(material("exact").connection, Connection::exact);
+    EXPECT_EQ(material("exact").single_scattering, Switch::on);
+    EXPECT_EQ(material("straight").connection, Connection::straight);
+    EXPECT_EQ(material("on").connection, Connection::straight);
+    EXPECT_EQ(material("off").single_scattering, Switch::off);
 }
 
 TEST(SceneYaml, ReadsShapes) {

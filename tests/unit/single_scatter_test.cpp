@@ -3,33 +3,17 @@
 
 #include <gtest/gtest.h>
 
-#include "common/optics/fresnel.h"
-#include "common/optics/phase.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/scene/presets.h"
+#include "tests/support/half_space.h"
 #include "tests/support/scenes.h"
 
 namespace tallow {
 namespace {
 
-Vec3 up_direction(float cosine, float phi) {
-    const float s = std::sqrt(1 - cosine * cosine);
-    return {s * std::cos(phi), cosine, s * std::sin(phi)};
-}
-
-Hit hit_at_origin() { return {1, 0, Vec3(0), Vec3(0, 1, 0), Vec3(0, 1, 0)}; }
-
-// Parallel light on a half-space, from the volume integral with both rays refracted:
-// L = alpha p(cos) T_i T_o E cos_i / (eta^2 (mu_i' + mu_o')).
-Rgb closed_form(const Medium& medium, Vec3 to_light, Vec3 w_o) {
-    const double eta = medium.eta, cos_i = to_light.y, cos_o = w_o.y;
-    const double mu_i = std::sqrt(1 - (1 - cos_i * cos_i) / (eta * eta));
-    const double mu_o = std::sqrt(1 - (1 - cos_o * cos_o) / (eta * eta));
-    const Vec3 in = *refract(to_light, Vec3(0, 1, 0), medium.eta);
-    const Vec3 out = -*refract(w_o, Vec3(0, 1, 0), medium.eta);
-    const double p = henyey_greenstein(medium.g, glm::dot(in, out));
-    const double T_i = 1 - fresnel_reflectance(eta, cos_i),
-                 T_o = 1 - fresnel_reflectance(eta, cos_o);
-    return float(p * T_i * T_o * cos_i / (eta * eta * (mu_i + mu_o))) * medium.albedo();
-}
+using test::half_space_radiance, test::hit_at_origin, test::up_direction;
 
 // Measured over 64 rays of 64 steps: 0.05 %.
 TEST(SingleScatter, HalfSpaceUnderParallelLight) {
@@ -49,7 +33,7 @@ TEST(SingleScatter, HalfSpaceUnderParallelLight) {
                         mean_L += single_scatter(scene, rays, surfaces[0], medium, hit_at_origin(),
                                                  w_o, 64, seed) /
                                   64;
-                    const Rgb expected = closed_form(medium, to_light, w_o);
+                    const Rgb expected = half_space_radiance(medium, to_light, w_o);
                     for (int c = 0; c < 3; ++c)
                         EXPECT_NEAR(mean_L[c], expected[c], 2e-3 * expected[c])
                             << "eta " << eta << " g " << g << " cos " << cos_i << ' ' << cos_o;
@@ -69,7 +53,7 @@ TEST(SingleScatter, ChannelsOfVeryDifferentDensity) {
     for (std::uint64_t seed = 0; seed < 64; ++seed)
         mean_L +=
             single_scatter(scene, rays, surfaces[0], medium, hit_at_origin(), w_o, 64, seed) / 64;
-    const Rgb expected = closed_form(medium, to_light, w_o);
+    const Rgb expected = half_space_radiance(medium, to_light, w_o);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean_L[c], expected[c], 0.01 * expected[c]) << c;
 }
 
@@ -86,7 +70,7 @@ TEST(SingleScatter, StopsWhereTheRayLeavesTheBody) {
     for (std::uint64_t seed = 0; seed < 16; ++seed)
         mean_L +=
             single_scatter(scene, rays, surfaces[0], medium, hit_at_origin(), w_o, 64, seed) / 16;
-    const Rgb half_space = closed_form(medium, to_light, w_o);
+    const Rgb half_space = half_space_radiance(medium, to_light, w_o);
     for (int c = 0; c < 3; ++c) {
         const double share = 1 - std::exp(-2 * double(medium.sigma_t()[c]) * double(thickness));
         EXPECT_NEAR(mean_L[c], share * half_space[c], 5e-3 * half_space[c]);
@@ -131,6 +115,50 @@ TEST(SingleScatter, NoScatteringNoLight) {
     EXPECT_EQ(
         single_scatter(scene, rays, surfaces[0], absorber, hit_at_origin(), Vec3(0, 1, 0), 32, 1),
         Rgb(0));
+}
+
+/// Root of the mean square of relative errors of the march, over rays and channels.
+double march_error(const Scene& scene, const Surface& surface, const Medium& medium, int steps) {
+    const RayScene rays({&surface, 1});
+    double squares = 0, sum = 0;
+    constexpr std::uint64_t kRays = 8, kSeeds = 8;
+    for (std::uint64_t ray = 0; ray < kRays; ++ray) {
+        const Vec3 w_o = up_direction(0.15f + 0.1f * float(ray), 2.4f * float(ray));
+        const auto march = [&](int count, std::uint64_t seed) {
+            return single_scatter(scene, rays, surface, medium, hit_at_origin(), w_o, count, seed);
+        };
+        const Rgb reference = march(2048, 1);
+        for (std::uint64_t seed = 2; seed < 2 + kSeeds; ++seed) {
+            const Rgb error = march(steps, seed) - reference;
+            for (int c = 0; c < 3; ++c) {
+                squares += double(error[c]) * double(error[c]) / (3 * kRays * kSeeds);
+                sum += double(reference[c]) / (3 * kRays * kSeeds);
+            }
+        }
+    }
+    return std::sqrt(squares) / sum;
+}
+
+// Prints the table of the header.
+TEST(SingleScatter, ErrorOfTheMarchFallsWithItsSteps) {
+    const Surface plane = PlaneSurface{Vec3(0), Vec3(0, 1, 0)};
+    const Surface ball = SphereSurface{{glm::mat3(5.0f), Vec3(0, -5, 0)}};
+    const Scene sun = test::lit_scene({DirectionalLight{-up_direction(0.5f, 1), Rgb(1)}});
+    const Scene lamp = test::lit_scene({test::ceiling(8, 10, Rgb(1))});
+    fmt::print("steps    marble: plane   ball    lamp   skin1: plane   ball    lamp\n");
+    std::vector<double> previous(6, 10);
+    for (int steps : {1, 4, 16, 64}) {
+        std::vector<double> errors;
+        for (const char* name : {"marble", "skin1"}) {
+            const Medium medium = find_preset(name)->medium;
+            errors.push_back(march_error(sun, plane, medium, steps));
+            errors.push_back(march_error(sun, ball, medium, steps));
+            errors.push_back(march_error(lamp, ball, medium, steps));
+        }
+        fmt::print("{:5}         {:.5f}\n", steps, fmt::join(errors, " "));
+        for (std::size_t i = 0; i < errors.size(); ++i) EXPECT_LT(errors[i], 0.6 * previous[i]);
+        previous = errors;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/geometry/surface.h"
+#include "common/scene/light.h"
+#include "render/refraction_tree.h"
+
+namespace tallow {
+
+/// A path from light to a point x inside a body, refracted once at `position` on its surface.
+struct RefractedPath {
+    Vec3 position;  ///< x_i, mm
+    Vec3 n_g, n;    ///< geometric and shading normal there
+    Vec3 w_i;       ///< from x_i towards the light
+    Vec3 w_inside;  ///< from x_i towards x
+    float inside;   ///< length from x_i to x, mm
+    float outside;  ///< length from x_i to the light, mm; infinite for one at infinity
+    float spread;   ///< see below
+};
+
+/// The refracted connections through one body's surface.
+///
+/// A light of intensity I at y gives at x, across the refracted ray, the irradiance
+/// I F_t(cos_i) spread e^(-sigma_t inside) summed over all paths; parallel light of irradiance E
+/// gives E in place of I. `spread` is |dOmega_y / dA_x| in 1/mm^2, or |dA_y / dA_x| for parallel
+/// light, with curvature and interpolated normals taken into account; cos_i is that to the shading
+/// normal, which does the refracting.
+///
+/// Meshes are searched by a hierarchy of balls and normal cones, with Newton's method at its end;
+/// ellipsoids the same way over their octants; planes, flat triangles and spheres are solved in the
+/// plane of incidence. Obstacles are not considered, other parts of the surface included. A disc
+/// encloses nothing and has no paths.
+///
+/// Domain   eta = inside / outside >= 1. `surface` must outlive this.
+/// Error    positions to 1e-9 of the distance of x, in exact arithmetic. Two paths closer to each
+///          other than 1e-6 of it count as one: x is then on a caustic, where spread is infinite.
+/// Source   [WZHB09]
+class RefractedConnections {
+public:
+    RefractedConnections(const Surface& surface, float eta);
+
+    std::vector<RefractedPath> find(Vec3 x, const LightPoint& y) const;
+
+private:
+    const Surface& surface_;
+    float eta_;
+    std::optional<RefractionTree> tree_;  // of a mesh
+};
+
+}  // namespace tallow
