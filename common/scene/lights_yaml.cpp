@@ -14,12 +14,12 @@ constexpr float kDefaultInnerCone = 0.8f;  // of the cone; chosen: a soft but vi
 
 LightShape read_point(const YamlMap& map, const LengthReader& lengths) {
     map.allow_only({"type", "group", "position", "intensity"});
-    return PointLight{lengths.point(map, "position"), map.rgb("intensity", kNonNegative)};
+    return PointLight{lengths.point(map, "position"), map.rgb("intensity", kRadiometric)};
 }
 
 LightShape read_directional(const YamlMap& map, const LengthReader&) {
     map.allow_only({"type", "group", "direction", "irradiance"});
-    return DirectionalLight{read_direction(map, "direction"), map.rgb("irradiance", kNonNegative)};
+    return DirectionalLight{read_direction(map, "direction"), map.rgb("irradiance", kRadiometric)};
 }
 
 Vec3 read_spot_axis(const YamlMap& map, const LengthReader& lengths) {
@@ -40,7 +40,7 @@ LightShape read_spot(const YamlMap& map, const LengthReader& lengths) {
     SpotLight light;
     light.position = lengths.point(map, "position");
     light.direction = read_spot_axis(map, lengths);
-    light.intensity = map.rgb("intensity", kNonNegative);
+    light.intensity = map.rgb("intensity", kRadiometric);
     light.cos_inner = std::cos(glm::radians(inner_deg / 2));
     light.cos_outer = std::cos(glm::radians(cone_deg / 2));
     // The step between the two divides by their difference.
@@ -59,19 +59,19 @@ LightShape read_quad(const YamlMap& map, const LengthReader& lengths) {
     light.normal = view.forward;
     light.u = right * lengths.positive(size[0], "size");
     light.v = glm::cross(right, view.forward) * lengths.positive(size[1], "size");
-    light.radiance = map.rgb("radiance", kNonNegative);
+    light.radiance = map.rgb("radiance", kRadiometric);
     return light;
 }
 
 LightShape read_sphere(const YamlMap& map, const LengthReader& lengths) {
     map.allow_only({"type", "group", "position", "radius", "radiance"});
     return SphereLight{lengths.point(map, "position"), lengths.positive(map, "radius"),
-                       map.rgb("radiance", kNonNegative)};
+                       map.rgb("radiance", kRadiometric)};
 }
 
 LightShape read_environment(const YamlMap& map, const LengthReader&) {
     map.allow_only({"type", "group", "radiance"});
-    return EnvironmentLight{map.rgb("radiance", kNonNegative)};
+    return EnvironmentLight{map.rgb("radiance", kRadiometric)};
 }
 
 /// Name -> index into scene.groups; a name's first appearance makes a group.

@@ -66,8 +66,9 @@ void fail_expected(const YamlNode& node, std::string_view key, std::string_view 
 double yaml_double(const YamlNode& node, std::string_view key, const Range& range) {
     const auto value = parse_number(node);
     if (!value) fail_expected(node, key, range.text);
-    if (std::abs(*value) > kLargestNumber)
-        fail_expected(node, key, fmt::format("a magnitude of at most {:g}", kLargestNumber));
+    const double largest = std::max(kLargestNumber, double{range.high});
+    if (std::abs(*value) > largest)
+        fail_expected(node, key, fmt::format("a magnitude of at most {:g}", largest));
     if (!range.contains(static_cast<float>(*value))) fail_expected(node, key, range.text);
     return *value;
 }

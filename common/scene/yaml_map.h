@@ -26,13 +26,16 @@ struct Range {
     }
 };
 
-/// Largest magnitude of any number in a scene. Chosen: its cube is still a finite float, so that
-/// nothing behind the border need guard products of lengths or coefficients against overflow.
+/// Largest magnitude of any number in a scene but those of light. Chosen: its cube is still a
+/// finite float, so that nothing behind the border need guard products of lengths or coefficients
+/// against overflow.
 inline constexpr double kLargestNumber = 1e12;
 
 inline constexpr Range kAnyNumber{-1e12f, 1e12f, "a number"};
 inline constexpr Range kPositive{0, 1e12f, "a number > 0", true};
 inline constexpr Range kNonNegative{0, 1e12f, "a number >= 0"};
+/// Intensities of light: sums over a scene's surfaces stay finite floats.
+inline constexpr Range kRadiometric{0, 1e30f, "a number >= 0"};
 inline constexpr Range kZeroToOne{0, 1, "a number in [0, 1]"};
 
 /// Reads a YAML map key by key. Every function throws (see fail_at) when the value is not what the
