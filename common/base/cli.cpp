@@ -95,7 +95,8 @@ struct CommandLine::Impl {
 
 CommandLine::CommandLine(const std::string& tool, const std::string& description)
     : impl_(std::make_unique<Impl>(tool, description)) {
-    impl_->app.set_version_flag("--version", tool + " " TALLOW_VERSION, "Print the version and exit");
+    impl_->app.set_version_flag("--version", tool + " " TALLOW_VERSION,
+                                "Print the version and exit");
 }
 
 CommandLine::~CommandLine() = default;
