@@ -186,7 +186,7 @@ std::vector<Rgb> gather(const ExitanceField& field, std::span<const ExitancePoin
     return M;
 }
 
-// Measured 1e-5: the error of the tabulated kernel, at most 2e-5.
+// Measured 1e-7; the tabulated kernel allows 2e-5.
 TEST(Exitance, ToleranceZeroIsTheDirectDoubleLoop) {
     const Cloud cloud = random_cloud(1, 3000);
     for (const Medium& medium : {test::marble(), test::skim_milk()}) {
@@ -241,7 +241,7 @@ TEST(Exitance, NoSamplesGiveNoLight) {
 }
 
 // A sphere under uniform light: the same exitance everywhere, and equal to the integral of R_d over
-// the sphere, chord 2 R sin(theta / 2), by quadrature in theta. Measured: 2e-4 and 3e-4.
+// the sphere, chord 2 R sin(theta / 2), by quadrature in theta. Measured 1.6e-5.
 TEST(Exitance, SphereUnderUniformLight) {
     const float radius = 4;
     const SphereSurface sphere{{glm::mat3(radius), Vec3(0)}};
@@ -269,7 +269,7 @@ TEST(Exitance, SphereUnderUniformLight) {
                         double(radius) * double(radius) * std::sin(theta) * std::numbers::pi / n;
         }
         for (std::size_t i = 0; i < points.size(); ++i)
-            EXPECT_NEAR(M[i][c], integral, 1e-3 * integral);
+            EXPECT_NEAR(M[i][c], integral, 1e-4 * integral);
     }
 }
 
