@@ -81,20 +81,21 @@ private:
 }  // namespace
 
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, int samples) {
+                              const Tile& tile, SampleRange range) {
     PrimaryHits result;
-    result.points.reserve(tile.pixels() * std::size_t(samples));
+    result.points.reserve(tile.pixels() * std::size_t(range.end - range.first));
     PathTracer tracer(scene, rays, result);
     std::uint32_t pixel = 0;
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x, ++pixel) {
             const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
-            for (int k = 0; k < samples; ++k) {
+            for (int k = range.first; k < range.end; ++k) {
                 // One sample sits at the pixel's centre, more are spread over its square.
-                const Vec2 u = samples == 1 ? Vec2(0.5f) : sobol_2d(std::uint32_t(k), pixel_seed);
+                const Vec2 u =
+                    range.samples == 1 ? Vec2(0.5f) : sobol_2d(std::uint32_t(k), pixel_seed);
                 const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y);
                 tracer.follow(ray, pixel, mix_bits(pixel_seed + std::uint64_t(k) + 1),
-                              Rgb(1.0f / float(samples)));
+                              Rgb(1.0f / float(range.samples)));
             }
         }
     return result;

@@ -42,13 +42,19 @@ struct PrimaryHits {
 /// carries less than 1e-10 by then; facing mirrors go dark beyond.
 inline constexpr std::uint32_t kMaxMirrorDepth = 8;
 
-/// Sends `samples` stratified camera rays through each pixel of a tile and follows them over mirror
-/// reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies, weighted
-/// with the Fresnel reflectance. Weights (throughputs and radiances) are divided by `samples`.
+/// Camera rays [first, end) of the `samples` that a pixel gets altogether.
+struct SampleRange {
+    int first, end, samples;
+};
+
+/// Sends a range of stratified camera rays through each pixel of a tile and follows them over
+/// mirror reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies,
+/// weighted with the Fresnel reflectance. Weights (throughputs and radiances) are divided by
+/// range.samples.
 ///
 /// Throws   InputError if the camera is inside a translucent body.
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, int samples);
+                              const Tile& tile, SampleRange range);
 
 /// Refuses a camera inside a translucent body: the method sees bodies from outside. Throws
 /// InputError.

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <optional>
 
+#include "common/base/errors.h"
 #include "common/base/parallel.h"
 #include "render/film.h"
 #include "render/gather_exitance.h"
@@ -17,6 +18,9 @@ namespace tallow {
 namespace {
 
 constexpr int kTileSize = 32;
+
+// Camera rays a pixel that a tile holds in memory at once: 16 take about 2 MB a thread.
+constexpr int kSamplesPerPass = 16;
 
 // Depths of the ray march through a body and shadow rays to each area light on opaque surfaces: so
 // many a pixel, shared by its camera rays, but at least so many each. Chosen: 64 depths leave 0.1
@@ -67,23 +71,31 @@ public:
           pixels_(tile.pixels()) {}
 
     std::vector<Pixel> render(TileCost& cost) {
-        Stopwatch watch;
-        hits_ = find_primary_hits(scene_, rays_, camera_, tile_, scene_.settings.samples);
-        describe_surfaces();
-        add_seen_lights();
-        cost.primary = watch.lap();
-        for (std::uint32_t object = 0; object < bodies_.size(); ++object)
-            if (bodies_[object]) add_multiple_scattering(object, cost);
-        cost.exitance = watch.lap();
-        add_single_scattering();
-        cost.single = watch.lap();
-        add_reflected_light();
-        cost.surface = watch.lap();
-        cost.camera_rays = std::int64_t(tile_.pixels()) * scene_.settings.samples;
+        const int samples = scene_.settings.samples;
+        for (int first = 0; first < samples; first += kSamplesPerPass) {
+            if (interrupted()) throw Interrupted();
+            add_samples({first, std::min(first + kSamplesPerPass, samples), samples}, cost);
+        }
+        cost.camera_rays = std::int64_t(tile_.pixels()) * samples;
         return std::move(pixels_);
     }
 
 private:
+    void add_samples(SampleRange range, TileCost& cost) {
+        Stopwatch watch;
+        hits_ = find_primary_hits(scene_, rays_, camera_, tile_, range);
+        describe_surfaces();
+        add_seen_lights();
+        cost.primary += watch.lap();
+        for (std::uint32_t object = 0; object < bodies_.size(); ++object)
+            if (bodies_[object]) add_multiple_scattering(object, cost);
+        cost.exitance += watch.lap();
+        add_single_scattering();
+        cost.single += watch.lap();
+        add_reflected_light();
+        cost.surface += watch.lap();
+    }
+
     // Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
     void add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance) {
         pixels_[point.pixel].*(point.depth == 0 ? layer : &Pixel::specular) +=

@@ -271,6 +271,20 @@ settings: {samples: 1}
     for (float value : channel(folder / "image.exr", "R")) EXPECT_NEAR(value, 1, 1e-4);
 }
 
+// Far more work than a second allows; Ctrl-C must end it with its exit code and leave nothing.
+TEST(Pipeline, InterruptLeavesNothingBehind) {
+    const path folder = pyramid_folder();
+    make_cache(folder);
+    const Result result =
+        run("/usr/bin/timeout", {"--preserve-status", "--signal=INT", "1", TALLOW_RENDER,
+                                 folder / "scene.yaml", "--cache", folder / "scene.tallow", "-o",
+                                 folder / "image.exr", "--samples", "65536", "--quiet"});
+    EXPECT_EQ(result.exit_code, 130);
+    EXPECT_EQ(result.first_error_line(), "tallow-render: error: interrupted");
+    EXPECT_FALSE(std::filesystem::exists(folder / "image.exr"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "image.exr.tmp"));
+}
+
 TEST(Pipeline, StatsNameWhatRan) {
     const path folder = pyramid_folder();
     make_cache(folder, {"--stats", (folder / "one.json").string()});
