@@ -111,6 +111,14 @@ TEST(HardOptics, EveryModelStaysFiniteAndFalls) {
     }
 }
 
+TEST(HardOptics, NoScatteringAtAll) {
+    for (const auto& [model_name, model] : kModels) {
+        const auto profile = make_profile(model, grey(1, 0), 0, Orders::all);
+        expect_within(fmt::format("{}: sigma_s = 0", model_name), "total reflectance 0, absolute",
+                      std::abs(profile->total_reflectance() + (*profile)(0) + (*profile)(1)), 0);
+    }
+}
+
 TEST(HardOptics, FresnelAtGrazingAndCriticalAngles) {
     const auto exact = [](double eta_d, double mu_d) {
         const Real eta = eta_d, mu = mu_d, cos_t = sqrt(1 - (1 - mu * mu) / (eta * eta));

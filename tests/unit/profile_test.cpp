@@ -105,9 +105,9 @@ TEST(Profile, DipoleIsTheKernelOfPassTwo) {
 // sides of eta = 1, where quadrature gives A = 1.
 TEST(Profile, ClassicBoundaryIsNearTheExactOne) {
     EXPECT_NEAR(classic_mismatch_A(1.3), 2.6021, 1e-4);  // by hand: F_dr = 0.44476
-    for (const double eta : {0.6, 0.75, 0.9, 1.0, 1.1, 1.3, 1.5, 2.0, 3.0}) {
+    for (const double eta : {0.7, 0.75, 0.9, 1.0, 1.1, 1.3, 1.5, 2.0, 3.0}) {
         const double A = classic_mismatch_A(eta), F_dr = (A - 1) / (A + 1);
-        EXPECT_NEAR(F_dr, diffuse_fresnel_reflectance(eta), 0.035) << eta;
+        EXPECT_NEAR(F_dr, diffuse_fresnel_reflectance(eta), eta > 2 ? 0.016 : 0.0018) << eta;
     }
 }
 
