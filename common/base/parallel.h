@@ -36,6 +36,9 @@ private:
     int threads_;
 };
 
+/// Threads that parallel loops may use now.
+int allowed_threads();
+
 /// From now on Ctrl-C (SIGINT, SIGTERM) makes parallel loops throw Interrupted; a second Ctrl-C
 /// ends the process at once.
 void install_interrupt_handler();

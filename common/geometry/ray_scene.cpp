@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/parallel.h"
 
 namespace tallow {
 namespace {
@@ -192,8 +193,10 @@ struct RayScene::Impl {
 
     explicit Impl(std::span<const Surface> all) : surfaces(all), unit_shapes(all.size()) {
         // One build thread: the tree, and with it ties between triangles, must not depend on how
-        // many cores there are.
-        device = rtcNewDevice("threads=1");
+        // many cores there are. Not by the device's own "threads=1", which would hold for the whole
+        // process as long as the device lives.
+        const ThreadLimit one_thread(1);
+        device = rtcNewDevice(nullptr);
         TALLOW_CHECK(device != nullptr, "Embree error {}", int(rtcGetDeviceError(nullptr)));
         scene = rtcNewScene(device);
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
