@@ -24,7 +24,7 @@ struct OctreeNode {
 };
 
 /// Points in a leaf at most, unless they coincide to the last bit of the Morton code.
-/// Chosen, not tuned: a leaf's points are one cache line of weights and a few of positions.
+/// Chosen, not tuned.
 inline constexpr std::uint32_t kLeafSize = 8;
 
 /// Bits per axis of the Morton code, and so the greatest depth of a tree.

@@ -149,6 +149,10 @@ TEST(BadInput, Meshes) {
              "mesh.off: line 1: expected 'OFF', 'COFF', 'NOFF' or 'CNOFF', got 'PLY'"},
             {"4 4 0", "99999999999 4 0",
              "mesh.off: line 2: 99999999999 vertices do not fit in the 56 bytes that follow"},
+            {kTetrahedron, "OFF\n4 3 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 0 3 2\n",
+             "scene.yaml:6:5: mesh.off: a translucent body must enclose a volume, but this mesh is "
+             "open: boundary loop of 3 edges, 8.49 long, through (2, 0, 0); close it, or give it "
+             "an opaque material"},
             {kTetrahedron, "", "mesh.off: expected a mesh, got an empty file"},
             {"3 0 1 3", "2 0 1", "mesh.off: line 8: expected at least three corners, got 2"},
         });
