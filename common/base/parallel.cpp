@@ -6,9 +6,12 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <utility>
 
 #include "common/base/errors.h"
 
@@ -25,32 +28,58 @@ extern "C" void on_signal(int signal) {
     }
 }
 
+/// Where this thread's loops run: the arena of the innermost ThreadLimit that it has made, or, if
+/// null, the one it is in.
+thread_local tbb::task_arena* t_arena = nullptr;
+
+/// Threads that TBB allows the process: the smallest of all limits alive.
+int process_limit() {
+    return int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
 }  // namespace
 
 void parallel_ranges(std::size_t n, std::size_t grain,
                      const std::function<void(std::size_t, std::size_t)>& body) {
     if (interrupted()) throw Interrupted();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          if (interrupted()) throw Interrupted();
-                          body(range.begin(), range.end());
-                      });
+    const auto loop = [&] {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              if (interrupted()) throw Interrupted();
+                              body(range.begin(), range.end());
+                          });
+    };
+    if (t_arena != nullptr)
+        t_arena->execute(loop);
+    else
+        loop();
 }
 
 struct ThreadLimit::Impl {
-    tbb::global_control control;
+    // Made in place: a global_control can be copied, but the copy controls nothing.
+    explicit Impl(int threads)
+        : control(tbb::global_control::max_allowed_parallelism, std::size_t(threads)),
+          arena(process_limit()),
+          outer(std::exchange(t_arena, &arena)) {}
+    ~Impl() { t_arena = outer; }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    tbb::global_control control;  // binds the whole process, Embree's loops too
+    tbb::task_arena arena;        // has as many places, where the control only takes some away
+    tbb::task_arena* outer;
 };
 
 ThreadLimit::ThreadLimit(int threads)
-    : threads_(threads > 0 ? threads : tbb::info::default_concurrency()) {
-    impl_ = std::make_unique<Impl>(Impl{tbb::global_control(
-        tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_))});
-}
+    : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
+      impl_(std::make_unique<Impl>(threads_)) {}
 
 ThreadLimit::~ThreadLimit() = default;
 
 int allowed_threads() {
-    return int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    const int places =
+        t_arena != nullptr ? t_arena->max_concurrency() : tbb::this_task_arena::max_concurrency();
+    return std::min(process_limit(), places);
 }
 
 void install_interrupt_handler() {

@@ -21,7 +21,9 @@ void parallel_for(std::size_t n, std::size_t grain, Body&& body) {
     });
 }
 
-/// Limits the number of threads while it lives; 0 means all that the machine has.
+/// While it lives, loops of the thread that made it run on `threads` threads, even where the
+/// machine has fewer cores; 0 means one for each core. No loop of the process gets more, so that of
+/// nested limits the smallest holds. To be destroyed in reverse order, as local variables are.
 class ThreadLimit {
 public:
     explicit ThreadLimit(int threads);
@@ -32,11 +34,11 @@ public:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
     int threads_;
+    std::unique_ptr<Impl> impl_;
 };
 
-/// Threads that parallel loops may use now.
+/// Threads that a loop of this thread may use now.
 int allowed_threads();
 
 /// From now on Ctrl-C (SIGINT, SIGTERM) makes parallel loops throw Interrupted; a second Ctrl-C

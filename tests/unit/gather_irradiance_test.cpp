@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "common/base/parallel.h"
 #include "common/optics/fresnel.h"
 #include "tests/support/scenes.h"
 
@@ -115,14 +114,6 @@ TEST(GatherIrradiance, NothingFromBelowTheHorizon) {
     const GroupIrradiance got = gather(scene, 1.5f);
     EXPECT_EQ(got.E_t[0], Rgb(0));
     EXPECT_EQ(got.w_i[0], Vec3(0));
-}
-
-// Embree shares the scheduler: building a scene must not leave the process with one thread.
-TEST(RayScene, LeavesTheThreadsToOthers) {
-    const int before = allowed_threads();
-    const std::vector<Surface> surfaces = {SphereSurface{}, cube_mesh({})};
-    const RayScene rays(surfaces);
-    EXPECT_EQ(allowed_threads(), before);
 }
 
 TEST(GatherIrradiance, GroupsAreKeptApart) {
