@@ -8,7 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/base/overloaded.h"
-#include "precompute/morton.h"
+#include "common/cloud/morton.h"
 #include "precompute/surface_cells.h"
 
 namespace tallow {

@@ -22,6 +22,7 @@ set(fences
   "(Imf|Imath|OpenEXR/)=common/image/exr_io.cpp"
   "png\\.h=common/image/png_io.cpp"
   "yaml-cpp/=common/scene/yaml_[a-z]+\\.(h|cpp)"
+  "tbb/=common/base/(parallel|stats).cpp"
   "CLI/=common/base/cli.cpp"
   "nlohmann/=(common/base/stats|material/material_json).cpp"
   "SDL=viewer/.*")

@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "common/base/rng.h"
+#include "common/cloud/morton.h"
 #include "common/optics/dipole.h"
 #include "precompute/build_octree.h"
-#include "precompute/morton.h"
 #include "precompute/sample_surface.h"
 #include "render/gather_exitance.h"
 #include "render/lit_samples.h"
@@ -56,34 +56,6 @@ Cloud random_cloud(std::uint64_t seed, std::size_t n) {
 }
 
 const std::vector<LightGroup> kOneGroup = {{"default", Rgb(1)}};
-
-// Children partition their parent; a walk by skips visits every point once.
-TEST(Octree, ChildrenPartitionTheirParent) {
-    for (std::size_t n : {1u, 7u, 9u, 100u, 5000u}) {
-        const Cloud cloud = random_cloud(n, n);
-        const auto& nodes = cloud.nodes;
-        ASSERT_FALSE(nodes.empty());
-        EXPECT_EQ(nodes[0].skip, nodes.size());
-        EXPECT_EQ(nodes[0].count, n);
-        for (std::size_t i = 0; i < nodes.size(); ++i) {
-            if (nodes[i].skip == 1) continue;
-            std::uint32_t next = nodes[i].first, children = 0;
-            for (std::size_t c = i + 1; c < i + nodes[i].skip; c += nodes[c].skip, ++children) {
-                EXPECT_EQ(nodes[c].first, next);
-                next += nodes[c].count;
-            }
-            EXPECT_EQ(next, nodes[i].first + nodes[i].count);
-            EXPECT_GE(children, 2u);
-            EXPECT_LE(children, 8u);
-        }
-    }
-    EXPECT_TRUE(build_octree({}).empty());
-}
-
-TEST(Octree, CoincidentPointsShareALeaf) {
-    const std::vector<Vec3> same(100, Vec3(1, 2, 3));
-    EXPECT_EQ(build_octree(same), (std::vector<OctreeNode>{{0, 100, 1}}));
-}
 
 // A node stands for the points below it, so it must carry exactly their flux, at their centroid.
 TEST(PointSum, EveryNodeCarriesTheFluxOfItsPoints) {
