@@ -3,7 +3,6 @@
 
 #include "common/base/errors.h"
 #include "common/base/output_file.h"
-#include "common/base/parallel.h"
 #include "common/base/tool_main.h"
 #include "material/find_material.h"
 #include "material/material_json.h"
@@ -138,7 +137,7 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
     output.commit();
 }
 
-void describe(const Arguments& a, const CommonOptions& common) {
+void describe(const Arguments& a, ToolRun& run) {
     require_plots(a);
     const FoundMaterial found = choose_material(a);
     const Medium& medium = found.material.medium;
@@ -149,10 +148,6 @@ void describe(const Arguments& a, const CommonOptions& common) {
     std::string legend;
     const auto columns = swatch_columns(a, found, legend);
 
-    const ThreadLimit threads(common.threads);
-    Stats stats = make_stats("tallow-material", threads.threads());
-    PhaseTimer total(stats, "total");
-    Progress progress(common.quiet);
     const MaterialReport report = describe_material(medium, radii);
     fmt::print("{}", a.json ? material_json(report) : material_text(title, report));
     if (!a.json && !legend.empty()) fmt::print("\n{}", legend);
@@ -162,13 +157,11 @@ void describe(const Arguments& a, const CommonOptions& common) {
             write_text(file, profile_plot(title, medium));
         } else {
             if (!swatches)
-                swatches = render_swatches(columns, file, progress, stats, threads.threads());
+                swatches = render_swatches(columns, file, run.progress, run.stats, run.threads);
             write_picture(file, *swatches);
         }
-        progress.note(fmt::format("wrote {}", file.string()));
+        run.progress.note(fmt::format("wrote {}", file.string()));
     }
-    total.stop();
-    if (common.stats) write_stats(*common.stats, stats);
 }
 
 }  // namespace
@@ -180,5 +173,5 @@ int main(int argc, char** argv) {
         "Tells all that follows from a translucent material's coefficients: derived quantities, "
         "and profile and total reflectance under every model. Lengths in mm.",
         argc, argv, [&](CommandLine& line) { declare(line, arguments); },
-        [&](const CommonOptions& common) { describe(arguments, common); });
+        [&](ToolRun& run) { describe(arguments, run); });
 }

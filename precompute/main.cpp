@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/base/errors.h"
-#include "common/base/parallel.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_info.h"
 #include "common/cloud/cache_io.h"
@@ -48,28 +47,21 @@ void show_info(const Arguments& a) {
     if (a.export_ply) export_ply(*a.export_ply, cache.view());
 }
 
-void make_cache(const Arguments& a, const CommonOptions& common) {
+void make_cache(const Arguments& a, ToolRun& run) {
     if (a.scene.empty()) throw UsageError("SCENE: expected a scene file");
     if (!a.output) throw UsageError("--output: expected a cache file to write");
-    const ThreadLimit threads(common.threads);
-    Stats stats = make_stats("tallow-precompute", threads.threads());
-    PhaseTimer total(stats, "total");
-    Progress progress(common.quiet);
-
     PrecomputeOptions options;
     if (a.spacing != "auto")
         options.spacing =
             float(parse_number("--spacing", a.spacing, 1e-6, 1e6, "a number of mm > 0, or auto"));
-    PhaseTimer load_timer(stats, "load");
+    PhaseTimer load_timer(run.stats, "load");
     Scene scene = load_scene(a.scene, a.overrides);
     load_timer.stop();
     if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
     if (a.light_samples) scene.settings.light_samples = *a.light_samples;
 
-    precompute(scene, options, *a.output, progress, stats);
+    precompute(scene, options, *a.output, run.progress, run.stats);
     if (a.export_ply) export_ply(*a.export_ply, MappedCache(*a.output).view());
-    total.stop();
-    if (common.stats) write_stats(*common.stats, stats);
 }
 
 }  // namespace
@@ -81,10 +73,10 @@ int main(int argc, char** argv) {
         "Pass one: samples the translucent surfaces of a scene, gathers the light that enters at "
         "each sample and writes a cache file that serves every camera.",
         argc, argv, [&](CommandLine& line) { declare(line, arguments); },
-        [&](const CommonOptions& common) {
+        [&](ToolRun& run) {
             if (arguments.info)
                 show_info(arguments);
             else
-                make_cache(arguments, common);
+                make_cache(arguments, run);
         });
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/base/errors.h"
-#include "common/base/parallel.h"
 #include "common/base/parse_whole.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
@@ -170,16 +169,12 @@ void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Ca
     };
 }
 
-void render(const Arguments& a, const CommonOptions& common) {
+void render(const Arguments& a, ToolRun& run) {
     require_image_names(a.outputs);
     RenderOptions options;
     options.layers = parse_layers(a.aovs);
-    const ThreadLimit threads(common.threads);
-    Stats stats = make_stats("tallow-render", threads.threads());
-    PhaseTimer total(stats, "total");
-    Progress progress(common.quiet);
 
-    PhaseTimer load_timer(stats, "load");
+    PhaseTimer load_timer(run.stats, "load");
     Scene scene = load_scene(a.scene, a.overrides);
     if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
     if (a.samples) scene.settings.samples = *a.samples;
@@ -187,29 +182,28 @@ void render(const Arguments& a, const CommonOptions& common) {
     const Camera& camera = scene.cameras[std::size_t(options.camera)];
     options.crop = parse_crop(a.crop, camera);
     load_timer.stop();
-    const SceneGeometry geometry = load_geometry(scene, stats);
+    const SceneGeometry geometry = load_geometry(scene, run.stats);
 
-    note_double_counting(scene, progress);
+    note_double_counting(scene, run.progress);
 
-    PhaseTimer map_timer(stats, "map");
+    PhaseTimer map_timer(run.stats, "map");
     const std::optional<MappedCache> cache = open_cache(a, scene, geometry);
     map_timer.stop();
     const CacheView view = cache ? cache->view() : CacheView{};
 
-    Image image = render_image(scene, geometry, view, options, progress, stats, threads.threads());
+    Image image =
+        render_image(scene, geometry, view, options, run.progress, run.stats, run.threads);
 
-    PhaseTimer write_timer(stats, "write");
-    add_metadata(image, a, scene, camera, view, stats);
+    PhaseTimer write_timer(run.stats, "write");
+    add_metadata(image, a, scene, camera, view, run.stats);
     for (const std::filesystem::path output : a.outputs) {
         if (output.extension() == ".exr")
             write_exr(output, image);
         else
             write_png(output, image, float(a.exposure.value_or(0)));
-        progress.note(fmt::format("wrote {}", output.string()));
+        run.progress.note(fmt::format("wrote {}", output.string()));
     }
     write_timer.stop();
-    total.stop();
-    if (common.stats) write_stats(*common.stats, stats);
 }
 
 }  // namespace
@@ -221,5 +215,5 @@ int main(int argc, char** argv) {
         "Pass two: renders a camera's image from a scene and the cache that tallow-precompute made "
         "of it.",
         argc, argv, [&](CommandLine& line) { declare(line, arguments); },
-        [&](const CommonOptions& common) { render(arguments, common); });
+        [&](ToolRun& run) { render(arguments, run); });
 }

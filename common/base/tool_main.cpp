@@ -24,11 +24,21 @@ void flush_stdout() {
         throw OutputError(fmt::format("stdout: cannot be written: {}", std::strerror(errno)));
 }
 
+void run(const std::string& tool, const CommonOptions& common,
+         const std::function<void(ToolRun&)>& body) {
+    const ThreadLimit limit(common.threads);
+    ToolRun tool_run{limit.threads(), Progress(common.quiet), make_stats(tool, limit.threads())};
+    PhaseTimer total(tool_run.stats, "total");
+    body(tool_run);
+    total.stop();
+    if (common.stats) write_stats(*common.stats, tool_run.stats);
+}
+
 }  // namespace
 
 int tool_main(const std::string& tool, const std::string& description, int argc, char** argv,
               const std::function<void(CommandLine&)>& declare,
-              const std::function<void(const CommonOptions&)>& body) {
+              const std::function<void(ToolRun&)>& body) {
     try {
         CommonOptions common;
         CommandLine line(tool, description);
@@ -36,7 +46,7 @@ int tool_main(const std::string& tool, const std::string& description, int argc,
         line.add_common(common);
         if (line.parse(argc, argv)) {
             install_interrupt_handler();
-            body(common);
+            run(tool, common, body);
         }
         flush_stdout();
         return 0;

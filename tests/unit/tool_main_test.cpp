@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
-#include "common/base/progress.h"
+#include "common/base/parallel.h"
+#include "tests/support/test_files.h"
 
 namespace tallow {
 namespace {
@@ -16,26 +18,27 @@ struct Outcome {
     std::string message;  // all of stderr
 };
 
-Outcome run(std::vector<std::string> arguments, const std::function<void()>& body) {
+Outcome run(std::vector<std::string> arguments, const std::function<void(ToolRun&)>& body) {
     arguments.insert(arguments.begin(), "tallow-test");
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
     const int exit_code = tool_main(
         "tallow-test", "Tests.", static_cast<int>(argv.size()), argv.data(), [](CommandLine&) {},
-        [&](const CommonOptions&) { body(); });
+        body);
     return {exit_code, testing::internal::GetCapturedStderr()};
 }
 
 template <class Error>
 Outcome run_throwing(const Error& error) {
-    return run({}, [&] { throw error; });
+    return run({}, [&](ToolRun&) { throw error; });
 }
 
 TEST(ToolMain, TurnsEachErrorIntoItsLineAndExitCode) {
     const std::vector<std::pair<Outcome, Outcome>> rows = {
-        {run({}, [] {}), {0, ""}},
-        {run({"--frob"}, [] {}), {2, "tallow-test: usage: unknown flag '--frob', see --help\n"}},
+        {run({}, [](ToolRun&) {}), {0, ""}},
+        {run({"--frob"}, [](ToolRun&) {}),
+         {2, "tallow-test: usage: unknown flag '--frob', see --help\n"}},
         {run_throwing(UsageError("no")), {2, "tallow-test: usage: no\n"}},
         {run_throwing(InputError("a.yaml:1:1: no")), {3, "tallow-test: error: a.yaml:1:1: no\n"}},
         {run_throwing(OutputError("full")), {4, "tallow-test: error: full\n"}},
@@ -50,15 +53,37 @@ TEST(ToolMain, TurnsEachErrorIntoItsLineAndExitCode) {
 
 TEST(ToolMain, DoesNotRunTheBodyForHelp) {
     testing::internal::CaptureStdout();
-    const Outcome outcome = run({"--help"}, [] { FAIL() << "ran"; });
+    const Outcome outcome = run({"--help"}, [](ToolRun&) { FAIL() << "ran"; });
     EXPECT_NE(testing::internal::GetCapturedStdout().find("Usage: tallow-test"), std::string::npos);
     EXPECT_EQ(outcome.exit_code, 0);
 }
 
+TEST(ToolMain, MakesARunOfTheCommonFlags) {
+    const std::filesystem::path file = test_out("stats.json");
+    run({"--threads", "2", "--stats", file.string()}, [](ToolRun& tool_run) {
+        EXPECT_EQ(tool_run.threads, 2);
+        EXPECT_EQ(allowed_threads(), 2);
+        tool_run.stats.seconds["load"] = 0.5;
+    });
+    const nlohmann::json json = nlohmann::json::parse(read_bytes(file));
+    EXPECT_EQ(json["tool"], "tallow-test");
+    EXPECT_EQ(json["versions"]["threads"], "2");
+    EXPECT_EQ(json["seconds"]["load"], 0.5);
+    EXPECT_TRUE(json["seconds"].contains("total"));
+}
+
+TEST(ToolMain, WritesNoStatsOfAFailure) {
+    const std::filesystem::path file = fresh_folder() / "stats.json";
+    const Outcome outcome =
+        run({"--stats", file.string()}, [](ToolRun&) { throw InputError("no"); });
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_FALSE(std::filesystem::exists(file));
+}
+
 // Without a terminal, as here: one line when a phase ends, and notes.
 TEST(Progress, PrintsPlainLines) {
-    const Outcome outcome = run({}, [] {
-        Progress progress(false);
+    const Outcome outcome = run({}, [](ToolRun& tool_run) {
+        Progress& progress = tool_run.progress;
         progress.begin("irradiance", 10, "samples");
         progress.add(4);
         progress.note("note");
@@ -71,8 +96,8 @@ TEST(Progress, PrintsPlainLines) {
 }
 
 TEST(Progress, QuietIsSilent) {
-    const Outcome outcome = run({}, [] {
-        Progress progress(true);
+    const Outcome outcome = run({"--quiet"}, [](ToolRun& tool_run) {
+        Progress& progress = tool_run.progress;
         progress.begin("irradiance", 10, "samples");
         progress.add(10);
         progress.note("note");
