@@ -18,18 +18,15 @@ public:
     explicit BetterDipole(const ReducedChannel& channel)
         : ReducedProfile(channel.sigma_t_prime),
           alpha2_(channel.alpha_prime * channel.alpha_prime),
-          k_(diffusion_constants(channel.absorption, channel.eta)),
-          z_v_(1 + 2 * k_.z_b) {}
+          k_(diffusion_constants(channel.absorption, channel.eta)) {}
 
     double reduced(double r2) const override {
-        const ImagePair pair = image_pair(r2, 1, z_v_, k_.s);
-        return alpha2_ / (4 * std::numbers::pi) *
-               (k_.C_E * pair.flux + k_.C_phi / k_.D * pair.fluence);
+        return alpha2_ / (4 * std::numbers::pi) * exitance(image_pair(r2, 1, k_), k_);
     }
 
     // alpha'^2 / 2 (C_E (e^-s + e^(-s z_v)) + C_phi / D (e^-s - e^(-s z_v)) / s)
     double total_reflectance() const override {
-        const double gap = z_v_ - 1, x = k_.s * gap;
+        const double gap = 2 * k_.z_b, x = k_.s * gap;
         const double fluence = x > 0 ? -std::expm1(-x) / k_.s : gap;
         return alpha2_ / 2 * std::exp(-k_.s) *
                (k_.C_E * (1 + std::exp(-x)) + k_.C_phi / k_.D * fluence);
@@ -38,7 +35,6 @@ public:
 private:
     double alpha2_;
     DiffusionConstants k_;
-    double z_v_;
 };
 
 }  // namespace

@@ -48,4 +48,14 @@ inline ImagePair image_pair(double r2, double z, double z_v, double s) {
             near * (gap / d_v + lost * d / d_v), d};
 }
 
+/// The pair of a source at depth z whose image makes the fluence vanish at height z_b.
+inline ImagePair image_pair(double r2, double z, const DiffusionConstants& k) {
+    return image_pair(r2, z, z + 2 * k.z_b, k.s);
+}
+
+/// C_E flux + C_phi / D fluence: what of a pair's light leaves, times 4 pi. Source: [d'Eon12].
+inline double exitance(const ImagePair& pair, const DiffusionConstants& k) {
+    return k.C_E * pair.flux + k.C_phi / k.D * pair.fluence;
+}
+
 }  // namespace tallow

@@ -40,9 +40,8 @@ private:
     double unsoftened(double r) const {
         const double sum =
             integrate_log(kNearest * std::min(r, 1.0), kDeepest, kStep, [&](double t) {
-                const ImagePair pair = image_pair(r * r, t, t + 2 * k_.z_b, k_.s);
-                return std::exp(-t) * -std::expm1(-2 * (pair.d + t)) *
-                       (k_.C_E * pair.flux + k_.C_phi / k_.D * pair.fluence);
+                const ImagePair pair = image_pair(r * r, t, k_);
+                return std::exp(-t) * -std::expm1(-2 * (pair.d + t)) * exitance(pair, k_);
             });
         return alpha2_ / (4 * std::numbers::pi) * sum;
     }
