@@ -15,6 +15,10 @@
 
 #include "common/base/errors.h"
 
+#ifdef TALLOW_SANITIZE_THREAD
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace tallow {
 namespace {
 
@@ -27,6 +31,35 @@ extern "C" void on_signal(int signal) {
         std::raise(signal);
     }
 }
+
+/// Tells the thread sanitizer, which cannot see into TBB, what a loop promises: what came before it
+/// is done before each range, and each range before what comes after it. Of the order of ranges it
+/// says nothing, so that races between them are found.
+class LoopOrder {
+public:
+    class Range {
+    public:
+        explicit Range(LoopOrder& loop) : loop_(loop) { acquire(&loop_.begin_); }
+        ~Range() { release(&loop_.end_); }
+
+    private:
+        LoopOrder& loop_;
+    };
+
+    LoopOrder() { release(&begin_); }
+    ~LoopOrder() { acquire(&end_); }
+
+private:
+#ifdef TALLOW_SANITIZE_THREAD
+    static void acquire(char* place) { __tsan_acquire(place); }
+    static void release(char* place) { __tsan_release(place); }
+#else
+    static void acquire(char*) {}
+    static void release(char*) {}
+#endif
+
+    char begin_ = 0, end_ = 0;  // only their addresses matter
+};
 
 /// Where this thread's loops run: the arena of the innermost ThreadLimit that it has made, or, if
 /// null, the one it is in.
@@ -42,10 +75,12 @@ int process_limit() {
 void parallel_ranges(std::size_t n, std::size_t grain,
                      const std::function<void(std::size_t, std::size_t)>& body) {
     if (interrupted()) throw Interrupted();
+    LoopOrder order;
     const auto loop = [&] {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               if (interrupted()) throw Interrupted();
+                              const LoopOrder::Range in_order(order);
                               body(range.begin(), range.end());
                           });
     };
