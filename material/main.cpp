@@ -156,8 +156,7 @@ void describe(const Arguments& a, ToolRun& run) {
         if (!is_picture(file)) {
             write_text(file, profile_plot(title, medium));
         } else {
-            if (!swatches)
-                swatches = render_swatches(columns, file, run.progress, run.stats, run.threads);
+            if (!swatches) swatches = render_swatches(columns, file, run.progress, run.stats);
             write_picture(file, *swatches);
         }
         run.progress.note(fmt::format("wrote {}", file.string()));

@@ -42,7 +42,7 @@ std::filesystem::path cache_beside(const std::filesystem::path& output) {
 }
 
 Image render_column(const SubsurfaceMaterial& material, const std::filesystem::path& output,
-                    Progress& progress, Stats& stats, int threads) {
+                    Progress& progress, Stats& stats) {
     const Scene scene = swatch_scene(material);
     const TemporaryFile cache_file(cache_beside(output));
     PrecomputeOptions sampling;
@@ -53,8 +53,8 @@ Image render_column(const SubsurfaceMaterial& material, const std::filesystem::p
     const MappedCache cache(cache_file.path());
     RenderOptions options;
     options.crop = {0, 0, kSwatchWidth, kSwatchHeight};
-    return render_image(scene, load_geometry(scene, stats), cache.view(), options, progress, stats,
-                        threads);
+    options.accuracy.tolerance = scene.settings.tolerance;
+    return render_image(scene, load_geometry(scene, stats), cache.view(), options, progress, stats);
 }
 
 void copy_column(const Image& column, int index, Image& row) {
@@ -70,12 +70,11 @@ void copy_column(const Image& column, int index, Image& row) {
 }  // namespace
 
 Image render_swatches(const std::vector<SubsurfaceMaterial>& materials,
-                      const std::filesystem::path& output, Progress& progress, Stats& stats,
-                      int threads) {
+                      const std::filesystem::path& output, Progress& progress, Stats& stats) {
     Image row = make_image(kSwatchWidth * int(materials.size()), kSwatchHeight);
     for (const char* name : {"R", "G", "B", "A"}) row.add_channel(name);
     for (std::size_t i = 0; i < materials.size(); ++i)
-        copy_column(render_column(materials[i], output, progress, stats, threads), int(i), row);
+        copy_column(render_column(materials[i], output, progress, stats), int(i), row);
     return row;
 }
 

@@ -16,8 +16,7 @@ namespace tallow {
 ///
 /// Throws   OutputError, Interrupted.
 Image render_swatches(const std::vector<SubsurfaceMaterial>& materials,
-                      const std::filesystem::path& output, Progress& progress, Stats& stats,
-                      int threads);
+                      const std::filesystem::path& output, Progress& progress, Stats& stats);
 
 /// Writes a picture as .png or .exr, by its name.
 void write_picture(const std::filesystem::path& file, const Image& image);

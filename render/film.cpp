@@ -37,9 +37,9 @@ std::vector<LayerChannel> vector(const std::string& layer, Vec3 Pixel::*member) 
     return channels;
 }
 
-const std::array<std::string, 11> kLayers = {"multiple", "single",   "diffuse",    "specular",
-                                             "emission", "exitance", "albedo",     "N",
-                                             "P",        "Z",        "evaluations"};
+const std::array<std::string, 12> kLayers = {"multiple", "single",   "diffuse",     "specular",
+                                             "emission", "exitance", "error_bound", "albedo",
+                                             "N",        "P",        "Z",           "evaluations"};
 
 std::vector<LayerChannel> layer_channels(const std::string& layer) {
     if (layer == "multiple") return colour(layer, &Pixel::multiple);
@@ -48,6 +48,7 @@ std::vector<LayerChannel> layer_channels(const std::string& layer) {
     if (layer == "specular") return colour(layer, &Pixel::specular);
     if (layer == "emission") return colour(layer, &Pixel::emission);
     if (layer == "exitance") return colour(layer, &Pixel::exitance);
+    if (layer == "error_bound") return colour(layer, &Pixel::error_bound);
     if (layer == "albedo") return colour(layer, &Pixel::albedo);
     if (layer == "N") return vector(layer, &Pixel::normal);
     if (layer == "P") return vector(layer, &Pixel::position);

@@ -19,6 +19,7 @@ struct Pixel {
     Rgb specular;           // all that is seen in mirror reflections
     Rgb emission;           // lights seen directly
     Rgb exitance;           // M of translucent surfaces, W/mm^2
+    Rgb error_bound;        // of the exitance, against the plain sum over all samples
     Rgb albedo;             // share of light given back
     Vec3 normal{0};         // shading normal
     Vec3 position{0};       // mm

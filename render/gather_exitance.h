@@ -6,9 +6,9 @@
 #include <memory>
 #include <span>
 
-#include "common/optics/profile_table.h"
+#include "common/nbody/point_sum.h"
+#include "common/nbody/solid_angle_sum.h"
 #include "render/lit_samples.h"
-#include "render/point_sum.h"
 
 namespace tallow {
 
@@ -19,30 +19,55 @@ struct ExitancePoint {
     Vec3 w_o;       // unit, towards the eye
 };
 
-/// The kernels of the three channels. Some 20 ms for photon_beam_diffusion, less for the others.
-std::array<ProfileTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders);
+/// How far the sum over the samples may be from the plain one.
+struct ExitanceAccuracy {
+    enum class Criterion {
+        error,       ///< PointSum: nodes by the bound of their remainder
+        solid_angle  ///< SolidAngleSum: the method of [JB02], for comparison
+    };
+    /// Accepted relRMSE of the hierarchy; 0 means the plain sum.
+    float tolerance = 0.01f;
+    Criterion criterion = Criterion::error;
+    /// The tolerance is to hold for each point and channel, with proof.
+    bool certified = false;
+};
+
+/// Exitance at some points, one item a point.
+struct Exitance {
+    std::vector<Rgb> M;              // W/mm^2
+    std::vector<Rgb> bound;          // of |M - plain sum|; empty unless certified
+    std::vector<float> evaluations;  // of the kernels, all channels
+    std::size_t repeated = 0;        // points and channels that took more than one round
+    std::size_t uncertified = 0;     // points and channels whose bound is above the tolerance
+};
+
+/// The kernels of the three channels, in a common unit. Some 30 ms for photon_beam_diffusion, less
+/// for the others.
+std::array<KernelTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders);
 
 /// Radiant exitance by multiple scattering on the surface of one body.
 ///
 ///     M(x_o) = sum over samples i of R_d(|x_o - x_i|) E_t(x_i) A_i
 ///
-/// Each channel is a scalar sum of its own (PointSum): kernels differ, and so may positions.
+/// Each channel is a scalar sum of its own: kernels differ, and so may positions.
 /// Source   [JB02] section 3.
 class ExitanceField {
 public:
-    /// `tolerance` is the accepted relRMSE of the hierarchy against the plain sum; 0 means the
-    /// plain sum. It sets the solid angle of [JB02]; docs/EVALUATOR.md has the measured relation.
-    ExitanceField(const LitSamples& samples, std::array<ProfileTable, 3> profiles, float tolerance);
+    ExitanceField(const LitSamples& samples, std::array<KernelTable, 3> profiles,
+                  ExitanceAccuracy accuracy);
 
-    /// exitance[i] in W/mm^2 at points[i]; neighbours should follow one another. Adds the number
-    /// of kernel evaluations (all channels) at each point to evaluations[i]. Thread-safe.
-    void gather(std::span<const ExitancePoint> points, std::span<Rgb> exitance,
-                std::span<std::uint32_t> evaluations) const;
+    /// Runs on all threads, best for many points at a time; the result does not depend on either.
+    Exitance gather(std::span<const ExitancePoint> points) const;
 
 private:
-    std::array<ProfileTable, 3> profiles_;
+    void gather_by_error(std::span<const ExitancePoint> points, Exitance& result) const;
+    void gather_by_solid_angle(std::span<const ExitancePoint> points, Exitance& result) const;
+
+    ExitanceAccuracy accuracy_;
+    std::array<KernelTable, 3> profiles_;
+    // Of these one kind is made, as the accuracy asks for.
     std::array<std::unique_ptr<PointSum>, 3> sums_;
-    float max_solid_angle_;
+    std::array<std::unique_ptr<SolidAngleSum>, 3> solid_angle_sums_;
 };
 
 }  // namespace tallow

@@ -20,12 +20,15 @@ using namespace tallow;
 
 namespace {
 
+// Below, rounding in float and the error of the kernel's table leave no room.
+constexpr double kSmallestCertificate = 1e-4;
+
 struct Arguments {
     std::filesystem::path scene;
     std::optional<std::filesystem::path> cache;
     std::vector<std::string> outputs, overrides;
-    std::string camera, crop, aovs = "none";
-    std::optional<double> tolerance, exposure;
+    std::string camera, crop, aovs = "none", criterion = "error";
+    std::optional<double> tolerance, certify, exposure;
     std::optional<int> samples;
 };
 
@@ -41,6 +44,15 @@ void declare(CommandLine& line, Arguments& a) {
     line.number("--tolerance", a.tolerance, 0, std::nextafter(1.0, 0.0), "a number in [0, 1)",
                 "Accepted relRMSE of the hierarchical sum; 0 is the plain sum over all samples "
                 "[default: the scene's, or 0.01]");
+    line.number(
+        "--certify", a.certify, kSmallestCertificate, std::nextafter(1.0, 0.0),
+        "a number in [1e-4, 1)",
+        "Instead of --tolerance: the error of the hierarchical sum is to be below this part "
+        "of the plain sum in each pixel and channel, with proof (layer error_bound)");
+    line.text("--criterion", a.criterion,
+              "How the hierarchy is cut: error, by bounds of the error; solid-angle, by the "
+              "classical method, one pixel at a time, for comparison [default: error]",
+              "error|solid-angle");
     line.integer("--samples", a.samples, 1, 65536, "an integer in [1, 65536]",
                  "Camera rays a pixel [default: the scene's, or 16]");
     line.text("--camera", a.camera, "Camera to use [default: the scene's first]", "NAME");
@@ -67,10 +79,29 @@ std::vector<std::string> split(const std::string& list) {
     return items;
 }
 
-std::vector<std::string> parse_layers(const std::string& list) {
+ExitanceAccuracy parse_accuracy(const Arguments& a) {
+    using Criterion = ExitanceAccuracy::Criterion;
+    if (a.criterion != "error" && a.criterion != "solid-angle")
+        throw UsageError(
+            fmt::format("--criterion: expected error or solid-angle, got '{}'", a.criterion));
+    const auto criterion = a.criterion == "error" ? Criterion::error : Criterion::solid_angle;
+    if (a.certify && a.tolerance)
+        throw UsageError("--certify: expected instead of --tolerance, got both");
+    if (a.certify && criterion == Criterion::solid_angle)
+        throw UsageError(
+            "--certify: expected --criterion error, got solid-angle, which has no bound");
+    return {float(a.certify.value_or(a.tolerance.value_or(0))), criterion, a.certify.has_value()};
+}
+
+// All layers leave out the one that only a certificate can fill.
+std::vector<std::string> parse_layers(const std::string& list, bool certified) {
     const auto known = layer_names();
     if (list == "none") return {};
-    if (list == "all") return {known.begin(), known.end()};
+    if (list == "all") {
+        std::vector<std::string> all(known.begin(), known.end());
+        if (!certified) std::erase(all, "error_bound");
+        return all;
+    }
     const std::vector<std::string> layers = split(list);
     for (std::size_t i = 0; i < layers.size(); ++i) {
         if (std::find(known.begin(), known.end(), layers[i]) == known.end())
@@ -79,6 +110,8 @@ std::vector<std::string> parse_layers(const std::string& list) {
         if (std::find(layers.begin(), layers.begin() + std::ptrdiff_t(i), layers[i]) !=
             layers.begin() + std::ptrdiff_t(i))
             throw UsageError(fmt::format("--aovs: '{}' is asked for twice", layers[i]));
+        if (layers[i] == "error_bound" && !certified)
+            throw UsageError("--aovs: error_bound needs --certify");
     }
     return layers;
 }
@@ -158,12 +191,14 @@ void note_double_counting(const Scene& scene, Progress& progress) {
 }
 
 void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Camera& camera,
-                  const CacheView& cache, const Stats& stats) {
+                  const CacheView& cache, const RenderOptions& options, const Stats& stats) {
     image.metadata = {
         {"tallow/scene", a.scene.string()},
         {"tallow/camera", camera.name},
         {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
-        {"tallow/tolerance", fmt::format("{}", scene.settings.tolerance)},
+        {options.accuracy.certified ? "tallow/certified" : "tallow/tolerance",
+         fmt::format("{}", options.accuracy.tolerance)},
+        {"tallow/criterion", a.criterion},
         {"tallow/samples", fmt::format("{}", scene.settings.samples)},
         {"tallow/version", stats.versions.at("tallow")},
     };
@@ -172,11 +207,12 @@ void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Ca
 void render(const Arguments& a, ToolRun& run) {
     require_image_names(a.outputs);
     RenderOptions options;
-    options.layers = parse_layers(a.aovs);
+    options.accuracy = parse_accuracy(a);
+    options.layers = parse_layers(a.aovs, a.certify.has_value());
 
     PhaseTimer load_timer(run.stats, "load");
     Scene scene = load_scene(a.scene, a.overrides);
-    if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
+    if (!a.certify && !a.tolerance) options.accuracy.tolerance = scene.settings.tolerance;
     if (a.samples) scene.settings.samples = *a.samples;
     options.camera = find_camera(scene, a.camera);
     const Camera& camera = scene.cameras[std::size_t(options.camera)];
@@ -191,11 +227,10 @@ void render(const Arguments& a, ToolRun& run) {
     map_timer.stop();
     const CacheView view = cache ? cache->view() : CacheView{};
 
-    Image image =
-        render_image(scene, geometry, view, options, run.progress, run.stats, run.threads);
+    Image image = render_image(scene, geometry, view, options, run.progress, run.stats);
 
     PhaseTimer write_timer(run.stats, "write");
-    add_metadata(image, a, scene, camera, view, run.stats);
+    add_metadata(image, a, scene, camera, view, options, run.stats);
     for (const std::filesystem::path output : a.outputs) {
         if (output.extension() == ".exr")
             write_exr(output, image);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tiles -> pixels: primary hits, then one term of the shading sum after the other on all hits of a
-// tile. Exitance is gathered body by body, so that the evaluator gets batches of neighbours.
+// Bands of tiles -> pixels: primary hits, then one term of the shading sum after the other on all
+// hits of a band. Exitance is gathered body by body, so that the evaluator gets many neighbours.
 #include "render/render_image.h"
 
+#include <fmt/format.h>
+
 #include <array>
-#include <chrono>
 #include <optional>
 
-#include "common/base/errors.h"
 #include "common/base/parallel.h"
 #include "render/film.h"
 #include "render/gather_exitance.h"
@@ -19,8 +19,12 @@ namespace {
 
 constexpr int kTileSize = 32;
 
-// Camera rays a pixel that a tile holds in memory at once: 16 take about 2 MB a thread.
+// Camera rays a pixel that are held in memory at once.
 constexpr int kSamplesPerPass = 16;
+
+// Camera rays that are held in memory at once: they take some 50 MB. Fewer make smaller groups of
+// neighbours; a quarter costs a tenth of the evaluator's time.
+constexpr std::size_t kRaysPerBand = 1 << 18;
 
 // Depths of the ray march through a body and shadow rays to each area light on opaque surfaces: so
 // many a pixel, shared by its camera rays, but at least so many each. Chosen: 64 depths leave 0.1
@@ -36,66 +40,84 @@ struct Body {
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
 };
 
-/// Seconds of thread time in each phase of a tile, and what was counted.
-struct TileCost {
-    double primary = 0, exitance = 0, single = 0, surface = 0;
-    std::int64_t camera_rays = 0, exitance_points = 0, evaluations = 0;
+struct Counts {
+    std::int64_t camera_rays = 0, exitance_points = 0, repeated = 0, uncertified = 0;
+    double evaluations = 0;
 };
 
-class Stopwatch {
-public:
-    /// Seconds since construction or the last call.
-    double lap() {
-        const auto now = std::chrono::steady_clock::now();
-        const double seconds = std::chrono::duration<double>(now - start_).count();
-        start_ = now;
-        return seconds;
-    }
-
-private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+/// Everything that tiles are rendered from.
+struct View {
+    const Scene& scene;
+    const SceneGeometry& geometry;
+    const RayScene& rays;
+    const std::vector<std::optional<Body>>& bodies;  // [object]
+    const std::vector<Rgb>& albedos;                 // [material]
+    const Camera& camera;
 };
 
+/// The pixels of a tile, filled pass by pass, and what the camera rays of the pass have met.
 class TileRenderer {
 public:
-    TileRenderer(const Scene& scene, const SceneGeometry& geometry, const RayScene& rays,
-                 const std::vector<std::optional<Body>>& bodies, const std::vector<Rgb>& albedos,
-                 const Camera& camera, const Tile& tile)
-        : scene_(scene),
-          geometry_(geometry),
-          rays_(rays),
-          bodies_(bodies),
-          albedos_(albedos),
-          camera_(camera),
-          tile_(tile),
-          pixels_(tile.pixels()) {}
+    TileRenderer(const View& view, const Tile& tile)
+        : view_(view), tile_(tile), pixels_(tile.pixels()) {}
 
-    std::vector<Pixel> render(TileCost& cost) {
-        const int samples = scene_.settings.samples;
-        for (int first = 0; first < samples; first += kSamplesPerPass) {
-            if (interrupted()) throw Interrupted();
-            add_samples({first, std::min(first + kSamplesPerPass, samples), samples}, cost);
-        }
-        cost.camera_rays = std::int64_t(tile_.pixels()) * samples;
-        return std::move(pixels_);
-    }
-
-private:
-    void add_samples(SampleRange range, TileCost& cost) {
-        Stopwatch watch;
-        hits_ = find_primary_hits(scene_, rays_, camera_, tile_, range);
+    void find_hits(SampleRange range) {
+        hits_ = find_primary_hits(view_.scene, view_.rays, view_.camera, tile_, range);
         describe_surfaces();
         add_seen_lights();
-        cost.primary += watch.lap();
-        for (std::uint32_t object = 0; object < bodies_.size(); ++object)
-            if (bodies_[object]) add_multiple_scattering(object, cost);
-        cost.exitance += watch.lap();
-        add_single_scattering();
-        cost.single += watch.lap();
-        add_reflected_light();
-        cost.surface += watch.lap();
     }
 
+    /// Appends the points of a body that were hit.
+    void list_points(std::uint32_t object, std::vector<ExitancePoint>& points) const {
+        for (const ShadingPoint& point : hits_.points)
+            if (point.hit.object == object)
+                points.push_back({point.hit.position, point.hit.n, point.w_o});
+    }
+
+    /// Adds the exitance of a body; that of the points from list_points() starts at `next`.
+    void add_multiple_scattering(std::uint32_t object, const Exitance& exitance, std::size_t next) {
+        const Body& body = *view_.bodies[object];
+        const float weight = 1.0f / float(view_.scene.settings.samples);
+        for (const ShadingPoint& point : hits_.points) {
+            if (point.hit.object != object) continue;
+            const float T = exit_factor(body.factors, glm::dot(point.hit.n, point.w_o));
+            add(point, &Pixel::multiple, kInvPi * T * exitance.M[next]);
+            Pixel& pixel = pixels_[point.pixel];
+            if (point.depth == 0) {
+                pixel.exitance += weight * exitance.M[next];
+                if (!exitance.bound.empty()) pixel.error_bound += weight * exitance.bound[next];
+            }
+            pixel.evaluations += exitance.evaluations[next];
+            ++next;
+        }
+    }
+
+    void add_single_scattering() {
+        const int steps =
+            std::max(kLeastMarchSteps, kMarchStepsPerPixel / view_.scene.settings.samples);
+        for (const ShadingPoint& point : hits_.points) {
+            const auto& body = view_.bodies[point.hit.object];
+            if (!body || body->material->single_scattering == Switch::off) continue;
+            add(point, &Pixel::single,
+                single_scatter(view_.scene, view_.rays, view_.geometry.surfaces[point.hit.object],
+                               body->material->medium, point.hit, point.w_o, steps, point.seed,
+                               body->connections ? &*body->connections : nullptr));
+        }
+    }
+
+    void add_reflected_light() {
+        const int light_samples =
+            std::max(kLeastShadowRays, kShadowRaysPerPixel / view_.scene.settings.samples);
+        for (const ShadingPoint& point : hits_.points)
+            if (!view_.bodies[point.hit.object])
+                add(point, &Pixel::diffuse,
+                    reflect_direct_light(view_.scene, view_.rays, point, light_samples));
+    }
+
+    const Tile& tile() const { return tile_; }
+    const std::vector<Pixel>& pixels() const { return pixels_; }
+
+private:
     // Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
     void add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance) {
         pixels_[point.pixel].*(point.depth == 0 ? layer : &Pixel::specular) +=
@@ -103,15 +125,15 @@ private:
     }
 
     void describe_surfaces() {
-        const float weight = 1.0f / float(scene_.settings.samples);
+        const float weight = 1.0f / float(view_.scene.settings.samples);
         for (const ShadingPoint& point : hits_.points) {
             if (point.depth > 0) continue;
             Pixel& pixel = pixels_[point.pixel];
             pixel.coverage += weight;
             pixel.normal += weight * point.hit.n;
-            pixel.position += weight * Vec3(DVec3(point.hit.position) + scene_.origin);
+            pixel.position += weight * Vec3(DVec3(point.hit.position) + view_.scene.origin);
             pixel.depth += weight * point.hit.t;
-            pixel.albedo += weight * albedos_[scene_.objects[point.hit.object].material];
+            pixel.albedo += weight * view_.albedos[view_.scene.objects[point.hit.object].material];
         }
     }
 
@@ -121,72 +143,84 @@ private:
                 light.radiance;
     }
 
-    void add_multiple_scattering(std::uint32_t object, TileCost& cost) {
-        const Body& body = *bodies_[object];
-        std::vector<std::size_t> indices;
-        std::vector<ExitancePoint> points;
-        for (std::size_t i = 0; i < hits_.points.size(); ++i) {
-            const ShadingPoint& point = hits_.points[i];
-            if (point.hit.object != object) continue;
-            indices.push_back(i);
-            points.push_back({point.hit.position, point.hit.n, point.w_o});
-        }
-        std::vector<Rgb> exitance(points.size());
-        std::vector<std::uint32_t> evaluations(points.size());
-        body.exitance.gather(points, exitance, evaluations);
-
-        const float weight = 1.0f / float(scene_.settings.samples);
-        for (std::size_t k = 0; k < indices.size(); ++k) {
-            const ShadingPoint& point = hits_.points[indices[k]];
-            const float T = exit_factor(body.factors, glm::dot(point.hit.n, point.w_o));
-            add(point, &Pixel::multiple, kInvPi * T * exitance[k]);
-            Pixel& pixel = pixels_[point.pixel];
-            if (point.depth == 0) pixel.exitance += weight * exitance[k];
-            pixel.evaluations += float(evaluations[k]);
-            cost.evaluations += evaluations[k];
-        }
-        cost.exitance_points += std::int64_t(points.size());
-    }
-
-    void add_single_scattering() {
-        const int steps = std::max(kLeastMarchSteps, kMarchStepsPerPixel / scene_.settings.samples);
-        for (const ShadingPoint& point : hits_.points) {
-            const auto& body = bodies_[point.hit.object];
-            if (!body || body->material->single_scattering == Switch::off) continue;
-            add(point, &Pixel::single,
-                single_scatter(scene_, rays_, geometry_.surfaces[point.hit.object],
-                               body->material->medium, point.hit, point.w_o, steps, point.seed,
-                               body->connections ? &*body->connections : nullptr));
-        }
-    }
-
-    void add_reflected_light() {
-        const int light_samples =
-            std::max(kLeastShadowRays, kShadowRaysPerPixel / scene_.settings.samples);
-        for (const ShadingPoint& point : hits_.points)
-            if (!bodies_[point.hit.object])
-                add(point, &Pixel::diffuse,
-                    reflect_direct_light(scene_, rays_, point, light_samples));
-    }
-
-    const Scene& scene_;
-    const SceneGeometry& geometry_;
-    const RayScene& rays_;
-    const std::vector<std::optional<Body>>& bodies_;
-    const std::vector<Rgb>& albedos_;
-    const Camera& camera_;
+    const View& view_;
     Tile tile_;
     std::vector<Pixel> pixels_;
     PrimaryHits hits_;
 };
 
-std::vector<Tile> cut_into_tiles(const Tile& crop) {
-    std::vector<Tile> tiles;
+/// Tiles that are rendered together, one term of the shading sum after the other: exitance is
+/// gathered for all their points at once, because neighbours share work.
+class BandRenderer {
+public:
+    BandRenderer(const View& view, std::span<const Tile> tiles, Stats& stats, Counts& counts)
+        : view_(view), stats_(stats), counts_(counts) {
+        for (const Tile& tile : tiles) tiles_.emplace_back(view, tile);
+    }
+
+    void render() {
+        const int samples = view_.scene.settings.samples;
+        for (int first = 0; first < samples; first += kSamplesPerPass)
+            add_samples({first, std::min(first + kSamplesPerPass, samples), samples});
+    }
+
+    const std::vector<TileRenderer>& tiles() const { return tiles_; }
+
+private:
+    void add_samples(SampleRange range) {
+        for_tiles("primary", [&](TileRenderer& tile) { tile.find_hits(range); });
+        for (const TileRenderer& tile : tiles_)
+            counts_.camera_rays += std::int64_t(tile.tile().pixels()) * (range.end - range.first);
+        PhaseTimer timer(stats_, "exitance");
+        for (std::uint32_t object = 0; object < view_.bodies.size(); ++object)
+            if (view_.bodies[object]) add_multiple_scattering(object);
+        timer.stop();
+        for_tiles("single", [](TileRenderer& tile) { tile.add_single_scattering(); });
+        for_tiles("surface", [](TileRenderer& tile) { tile.add_reflected_light(); });
+    }
+
+    template <class Work>
+    void for_tiles(const char* phase, const Work& work) {
+        const PhaseTimer timer(stats_, phase);
+        parallel_for(tiles_.size(), 1, [&](std::size_t i) { work(tiles_[i]); });
+    }
+
+    void add_multiple_scattering(std::uint32_t object) {
+        std::vector<ExitancePoint> points;
+        std::vector<std::size_t> first;  // [tile] of its points
+        for (const TileRenderer& tile : tiles_) {
+            first.push_back(points.size());
+            tile.list_points(object, points);
+        }
+        const Exitance exitance = view_.bodies[object]->exitance.gather(points);
+        parallel_for(tiles_.size(), 1, [&](std::size_t i) {
+            tiles_[i].add_multiple_scattering(object, exitance, first[i]);
+        });
+        for (const float count : exitance.evaluations) counts_.evaluations += count;
+        counts_.exitance_points += std::int64_t(points.size());
+        counts_.repeated += std::int64_t(exitance.repeated);
+        counts_.uncertified += std::int64_t(exitance.uncertified);
+    }
+
+    const View& view_;
+    std::vector<TileRenderer> tiles_;
+    Stats& stats_;
+    Counts& counts_;
+};
+
+// Bands of tiles, row by row, with about kRaysPerBand camera rays each.
+std::vector<std::vector<Tile>> cut_into_bands(const Tile& crop, int samples) {
+    std::vector<std::vector<Tile>> bands;
+    std::size_t rays = kRaysPerBand;
     for (int y = crop.y0; y < crop.y1; y += kTileSize)
-        for (int x = crop.x0; x < crop.x1; x += kTileSize)
-            tiles.push_back(
-                {x, y, std::min(x + kTileSize, crop.x1), std::min(y + kTileSize, crop.y1)});
-    return tiles;
+        for (int x = crop.x0; x < crop.x1; x += kTileSize) {
+            const Tile tile{x, y, std::min(x + kTileSize, crop.x1),
+                            std::min(y + kTileSize, crop.y1)};
+            if (rays >= kRaysPerBand) bands.emplace_back(), rays = 0;
+            bands.back().push_back(tile);
+            rays += tile.pixels() * std::size_t(std::min(samples, kSamplesPerPass));
+        }
+    return bands;
 }
 
 // What single scattering does not add, the exitance must hold.
@@ -195,7 +229,8 @@ Orders orders_of_exitance(const SubsurfaceMaterial& material) {
 }
 
 std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneGeometry& geometry,
-                                                const CacheView& cache, Stats& stats) {
+                                                const CacheView& cache, ExitanceAccuracy accuracy,
+                                                Stats& stats) {
     std::vector<std::optional<Body>> bodies(scene.objects.size());
     std::int64_t samples = 0, lit = 0;
     for (const BodyView& view : cache.bodies) {
@@ -209,7 +244,7 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
             ExitanceField(
                 lit_samples,
                 tabulate_profiles(material->model, material->medium, orders_of_exitance(*material)),
-                scene.settings.tolerance),
+                accuracy),
             {}});
         if (material->connection == Connection::exact)
             bodies[view.object]->connections.emplace(geometry.surfaces[view.object],
@@ -220,28 +255,25 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
     return bodies;
 }
 
-void report(Stats& stats, const std::vector<TileCost>& costs, int threads) {
-    TileCost sum;
-    for (const TileCost& cost : costs) {
-        sum.primary += cost.primary, sum.exitance += cost.exitance;
-        sum.single += cost.single, sum.surface += cost.surface;
-        sum.camera_rays += cost.camera_rays;
-        sum.exitance_points += cost.exitance_points;
-        sum.evaluations += cost.evaluations;
-    }
-    stats.seconds["primary"] = sum.primary / threads;
-    stats.seconds["exitance"] = sum.exitance / threads;
-    stats.seconds["single"] = sum.single / threads;
-    stats.seconds["surface"] = sum.surface / threads;
-    stats.counts["camera_rays"] = sum.camera_rays;
-    stats.counts["exitance_points"] = sum.exitance_points;
-    stats.counts["evaluations"] = sum.evaluations;
+void report(const Counts& counts, const ExitanceAccuracy& accuracy, Stats& stats,
+            Progress& progress) {
+    stats.counts["camera_rays"] = counts.camera_rays;
+    stats.counts["exitance_points"] = counts.exitance_points;
+    stats.counts["evaluations"] = std::int64_t(counts.evaluations);
+    if (!accuracy.certified) return;
+    stats.counts["repeated"] = counts.repeated;
+    stats.counts["uncertified"] = counts.uncertified;
+    if (counts.uncertified > 0)
+        progress.note(fmt::format(
+            "{} of {} sums could not be certified to {}: they are too dark for the table of the "
+            "profile; layer error_bound holds for them, too",
+            counts.uncertified, 3 * counts.exitance_points, accuracy.tolerance));
 }
 
 }  // namespace
 
 Image render_image(const Scene& scene, const SceneGeometry& geometry, const CacheView& cache,
-                   const RenderOptions& options, Progress& progress, Stats& stats, int threads) {
+                   const RenderOptions& options, Progress& progress, Stats& stats) {
     const Camera& camera = scene.cameras[std::size_t(options.camera)];
     PhaseTimer bvh_timer(stats, "bvh");
     const RayScene rays(geometry.surfaces);
@@ -249,28 +281,31 @@ Image render_image(const Scene& scene, const SceneGeometry& geometry, const Cach
     require_camera_outside(scene, rays, camera);
 
     PhaseTimer prepare_timer(stats, "octree");
-    const auto bodies = prepare_bodies(scene, geometry, cache, stats);
+    const auto bodies = prepare_bodies(scene, geometry, cache, options.accuracy, stats);
     prepare_timer.stop();
     std::vector<Rgb> albedos;
     for (const Material& material : scene.materials) albedos.push_back(albedo(material));
 
     const Tile& crop = options.crop;
-    const std::vector<Tile> tiles = cut_into_tiles(crop);
+    const View view{scene, geometry, rays, bodies, albedos, camera};
     std::vector<Pixel> pixels(crop.pixels());
-    std::vector<TileCost> costs(tiles.size());
-    progress.begin("render", tiles.size(), "tiles");
-    parallel_for(tiles.size(), 1, [&](std::size_t t) {
-        const Tile& tile = tiles[t];
-        TileRenderer renderer(scene, geometry, rays, bodies, albedos, camera, tile);
-        const std::vector<Pixel> rendered = renderer.render(costs[t]);
-        for (int y = tile.y0; y < tile.y1; ++y)
-            std::copy_n(
-                rendered.begin() + std::ptrdiff_t(y - tile.y0) * tile.width(), tile.width(),
-                pixels.begin() + std::ptrdiff_t(y - crop.y0) * crop.width() + (tile.x0 - crop.x0));
-        progress.add(1);
-    });
+    Counts counts;
+    progress.begin("render", crop.pixels(), "pixels");
+    for (const std::vector<Tile>& tiles : cut_into_bands(crop, scene.settings.samples)) {
+        BandRenderer band(view, tiles, stats, counts);
+        band.render();
+        for (const TileRenderer& rendered : band.tiles()) {
+            const Tile& tile = rendered.tile();
+            for (int y = tile.y0; y < tile.y1; ++y)
+                std::copy_n(rendered.pixels().begin() + std::ptrdiff_t(y - tile.y0) * tile.width(),
+                            tile.width(),
+                            pixels.begin() + std::ptrdiff_t(y - crop.y0) * crop.width() +
+                                (tile.x0 - crop.x0));
+            progress.add(tile.pixels());
+        }
+    }
     progress.end();
-    report(stats, costs, threads);
+    report(counts, options.accuracy, stats, progress);
     return develop(camera, crop, pixels, options.layers);
 }
 

@@ -9,6 +9,7 @@
 #include "common/cloud/cache_io.h"
 #include "common/image/image.h"
 #include "common/scene/scene_geometry.h"
+#include "render/gather_exitance.h"
 #include "render/primary_hits.h"
 
 namespace tallow {
@@ -17,12 +18,12 @@ struct RenderOptions {
     int camera = 0;  ///< index into Scene::cameras
     Tile crop;       ///< pixels to render, inside the camera's image
     std::vector<std::string> layers;
+    ExitanceAccuracy accuracy;
 };
 
-/// Pass two: scene, geometry and cache -> image. Settings (tolerance, samples) are the scene's.
-/// The same image for any number of threads. Phases inside tiles are reported as the sum over
-/// threads divided by the number of threads. Throws InputError, Interrupted.
+/// Pass two: scene, geometry and cache -> image. The number of camera rays is the scene's.
+/// The same image for any number of threads. Throws InputError, Interrupted.
 Image render_image(const Scene& scene, const SceneGeometry& geometry, const CacheView& cache,
-                   const RenderOptions& options, Progress& progress, Stats& stats, int threads);
+                   const RenderOptions& options, Progress& progress, Stats& stats);
 
 }  // namespace tallow

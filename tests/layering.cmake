@@ -10,6 +10,7 @@ set(rules
   "common/image=common/base|common/image"
   "common/scene=common/base|common/optics|common/geometry|common/scene"
   "common/cloud=common/base|common/optics|common/geometry|common/image|common/scene|common/cloud"
+  "common/nbody=common/base|common/optics|common/cloud|common/nbody"
   "precompute=common|precompute"
   "render=common|render"
   "material=common|precompute|render|material")
@@ -25,6 +26,7 @@ set(fences
   "tbb/=common/base/(parallel|stats).cpp"
   "CLI/=common/base/cli.cpp"
   "nlohmann/=(common/base/stats|material/material_json).cpp"
+  "hwy/=common/nbody/group_sum(-inl)?\\.(h|cpp)"
   "SDL=viewer/.*")
 
 set(errors "")

@@ -209,7 +209,7 @@ TEST(BadInput, Flags) {
          "--crop: expected four integers X0,Y0,X1,Y1 inside 8 x 8 pixels, got '4,4,4,8'"},
         {true, with(rendering, {"--aovs", "depth"}),
          "--aovs: expected all, none or some of multiple, single, diffuse, specular, emission, "
-         "exitance, albedo, N, P, Z, evaluations, got 'depth'"},
+         "exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
         {true, with(rendering, {"--aovs", "Z,Z"}), "--aovs: 'Z' is asked for twice"},
         {true, with(rendering, {"--set", "materials.stone.colour=1"}),
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "

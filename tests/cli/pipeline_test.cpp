@@ -135,8 +135,10 @@ TEST(Pipeline, RadianceLayersSumToThePicture) {
 TEST(Pipeline, ACropIsThatPartOfTheWholeImage) {
     const path folder = pyramid_folder();
     make_cache(folder);
-    ASSERT_EQ(render_to(folder, "whole.exr").exit_code, 0);
-    ASSERT_EQ(render_to(folder, "part.exr", {"--crop", "10,5,30,25"}).exit_code, 0);
+    // With the plain sum; the hierarchy groups neighbours, and a crop has others.
+    ASSERT_EQ(render_to(folder, "whole.exr", {"--tolerance", "0"}).exit_code, 0);
+    ASSERT_EQ(
+        render_to(folder, "part.exr", {"--tolerance", "0", "--crop", "10,5,30,25"}).exit_code, 0);
     const auto whole = channel(folder / "whole.exr", "G"), part = channel(folder / "part.exr", "G");
     ASSERT_EQ(part.size(), 400u);
     for (std::size_t y = 0; y < 20; ++y)

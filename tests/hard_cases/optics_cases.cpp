@@ -5,10 +5,10 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
+#include "common/nbody/kernel_table.h"
 #include "common/optics/dipole.h"
 #include "common/optics/fresnel.h"
 #include "common/optics/phase.h"
-#include "common/optics/profile_table.h"
 #include "tests/hard_cases/hard_cases.h"
 
 namespace tallow::test {
@@ -89,7 +89,7 @@ TEST(HardOptics, DipoleFarAway) {
 double largest_growth(Model model, const Medium& medium) {
     const auto profile = make_profile(model, medium, 0, Orders::two_and_more);
     const double mfp = medium.mean_free_path().r;
-    const ProfileTable table(*profile, mfp);
+    const KernelTable table = tabulate(*profile, mfp, KernelTable::unit_near(mfp));
     double previous = (*profile)(0), growth = 0;
     for (double r = 1e-9; r <= 1e4; r *= 1.5) {
         const double r2 = r * mfp * r * mfp, value = (*profile)(r2), fast = table(float(r2));

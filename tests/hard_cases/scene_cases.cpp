@@ -53,8 +53,9 @@ std::vector<float> render(const SceneTerms& terms) {
     const MappedCache mapped(cache);
     RenderOptions options;
     options.crop = {0, 0, 16, 16};
+    options.accuracy.tolerance = scene.settings.tolerance;
     const Image image =
-        render_image(scene, load_geometry(scene, stats), mapped.view(), options, quiet, stats, 1);
+        render_image(scene, load_geometry(scene, stats), mapped.view(), options, quiet, stats);
     std::vector<float> values;
     for (const char* name : {"R", "G", "B"}) {
         const std::vector<float>* channel = image.find_channel(name);
@@ -160,11 +161,9 @@ TEST(HardScenes, ShadingPointOnASample) {
         samples.area.assign(count, 0.5f);
         if (count > 0) samples.nodes = {{0, count, 1}};
         const ExitanceField field(samples, tabulate_profiles(Model::dipole, medium, Orders::all),
-                                  0.01f);
+                                  ExitanceAccuracy{});
         const std::vector<ExitancePoint> point = {{Vec3(1, 2, 3), Vec3(0, 1, 0), Vec3(0, 1, 0)}};
-        Rgb exitance;
-        std::uint32_t evaluations = 0;
-        field.gather(point, {&exitance, 1}, {&evaluations, 1});
+        const Rgb exitance = field.gather(point).M[0];
         const double expected = count * (*profile)(0);
         expect_within(
             fmt::format("shading point on {} coincident samples", count), "closed form E A R(0)",

@@ -58,14 +58,14 @@ Cloud random_cloud(std::uint64_t seed, std::size_t n) {
 const std::vector<LightGroup> kOneGroup = {{"default", Rgb(1)}};
 
 // A node stands for the points below it, so it must carry exactly their flux, at their centroid.
-TEST(PointSum, EveryNodeCarriesTheFluxOfItsPoints) {
+TEST(SolidAngleSum, EveryNodeCarriesTheFluxOfItsPoints) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const Cloud cloud = random_cloud(seed, 1000);
         std::vector<float> flux;
         for (std::size_t i = 0; i < cloud.areas.size(); ++i)
             flux.push_back(cloud.E_t[i].r * cloud.areas[i]);
-        const PointSum sum(cloud.positions, flux, cloud.areas, cloud.nodes);
-        for (const PointSum::Node& node : sum.nodes()) {
+        const SolidAngleSum sum(cloud.positions, flux, cloud.areas, cloud.nodes);
+        for (const SolidAngleSum::Node& node : sum.nodes()) {
             double weight = 0, area = 0;
             DVec3 moment(0);
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -126,7 +126,8 @@ TEST(LitSamples, GroupScalesAddUp) {
 }
 
 ExitanceField field_of(const LitSamples& lit, const Medium& medium, float tolerance) {
-    return {lit, tabulate_profiles(Model::dipole, medium, Orders::all), tolerance};
+    return {lit, tabulate_profiles(Model::dipole, medium, Orders::all),
+            ExitanceAccuracy{tolerance}};
 }
 
 Rgb direct_double_loop(const Cloud& cloud, const Medium& medium, Vec3 x) {
@@ -152,10 +153,7 @@ std::vector<ExitancePoint> points_of(const Cloud& cloud, std::size_t step) {
 }
 
 std::vector<Rgb> gather(const ExitanceField& field, std::span<const ExitancePoint> points) {
-    std::vector<Rgb> M(points.size());
-    std::vector<std::uint32_t> evaluations(points.size());
-    field.gather(points, M, evaluations);
-    return M;
+    return field.gather(points).M;
 }
 
 // Measured 1e-7; the tabulated kernel allows 2e-5.

@@ -238,7 +238,7 @@ TEST(Swatch, ColumnsGetDarkerWithAbsorption) {
     Progress progress(true);
     Stats stats;
     const auto folder = fresh_folder();
-    const Image row = render_swatches(materials, folder / "row.png", progress, stats, 2);
+    const Image row = render_swatches(materials, folder / "row.png", progress, stats);
     EXPECT_EQ(row.width, 2 * kSwatchWidth);
     EXPECT_EQ(row.height, kSwatchHeight);
     EXPECT_GT(mean_of(row, 1), 0);

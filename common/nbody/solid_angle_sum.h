@@ -10,13 +10,13 @@
 
 namespace tallow {
 
-/// One scalar N-body problem: weighted points under an octree, summed with a radial kernel.
+/// The sum of PointSum by the method of [JB02]: one point at a time, in scalar code, a node's
+/// points replaced by their centroid where the node's area is seen under a small enough solid
+/// angle. The baseline that experiments compare PointSum with; with a solid angle of 0 the plain
+/// sum.
 ///
 ///     M(x) = sum over j of w_j K(|x - x_j|^2)
-///
-/// A colour channel is one such problem with its own weights, positions and kernel; so will be the
-/// sums of a boundary-element solve. The topology is shared, the rest is this object's own.
-class PointSum {
+class SolidAngleSum {
 public:
     struct Node {
         Vec3 centroid;  // of the weights
@@ -32,8 +32,8 @@ public:
 
     /// `areas` are the surface cells of the points; they decide when a node is far enough. All
     /// spans but the nodes have one item a point, in the order that the nodes refer to.
-    PointSum(std::span<const Vec3> positions, std::span<const float> weights,
-             std::span<const float> areas, std::span<const OctreeNode> nodes);
+    SolidAngleSum(std::span<const Vec3> positions, std::span<const float> weights,
+                  std::span<const float> areas, std::span<const OctreeNode> nodes);
 
     /// The sum at x. A node stands for its points if x lies outside the ball around its centroid
     /// that holds them, and the node's area is seen from x under at most `max_solid_angle`
@@ -54,8 +54,8 @@ private:
 };
 
 template <class Kernel>
-double PointSum::evaluate(Vec3 x, float max_solid_angle, const Kernel& kernel,
-                          std::uint64_t& evaluations) const {
+double SolidAngleSum::evaluate(Vec3 x, float max_solid_angle, const Kernel& kernel,
+                               std::uint64_t& evaluations) const {
     double sum = 0;
     for (std::size_t i = 0; i < nodes_.size();) {
         const Node& node = nodes_[i];

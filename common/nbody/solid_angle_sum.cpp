@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fluxes and centroids of a tree's nodes, straight from the points beneath each node: in double, so
 // that a node's weight is its points' to rounding.
-#include "render/point_sum.h"
+#include "common/nbody/solid_angle_sum.h"
 
 #include <algorithm>
 
@@ -9,8 +9,8 @@
 
 namespace tallow {
 
-PointSum::PointSum(std::span<const Vec3> positions, std::span<const float> weights,
-                   std::span<const float> areas, std::span<const OctreeNode> nodes)
+SolidAngleSum::SolidAngleSum(std::span<const Vec3> positions, std::span<const float> weights,
+                             std::span<const float> areas, std::span<const OctreeNode> nodes)
     : nodes_(nodes.size()), points_(positions.size()) {
     parallel_for(positions.size(), 8192, [&](std::size_t j) {
         points_[j] = {positions[j], weights[j]};
