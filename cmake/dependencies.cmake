@@ -15,3 +15,6 @@ find_package(hwy REQUIRED)
 find_package(OpenMesh REQUIRED CONFIG)  # CGAL ships a module of that name, for another layout
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+if(TALLOW_BENCHMARKS)
+  find_package(benchmark REQUIRED)
+endif()

@@ -170,19 +170,32 @@ struct Certificate {
     // Not default initializers: g++ compiles those without the target's instructions.
     HWY_INLINE Certificate() { remainder = rounding = terms = hn::Zero(D()); }
 
-    /// `weight` W, the cubic's derivatives at u, and U: no less than u and no less than any squared
-    /// distance over which the expansion is used. docs/EVALUATOR.md derives the factors.
-    HWY_INLINE void add_rounding(D d, hn::Vec<D> weight, const Cubic<D>& cubic, hn::Vec<D> k0,
-                                 hn::Vec<D> k1, hn::Vec<D> k2, hn::Vec<D> U) {
-        const auto t0 = hn::Abs(k0), t1 = hn::Mul(hn::Abs(k1), U);
-        const auto U2 = hn::Mul(U, U);
-        const auto t2 = hn::Mul(hn::Abs(k2), U2);
-        const auto t3 = hn::Mul(hn::Mul(hn::Set(d, 6), hn::Abs(cubic.c3)), hn::Mul(U2, U));
-        terms = hn::MulAdd(weight, hn::MulAdd(hn::Set(d, 4), hn::Add(t1, t2), t0), terms);
-        auto r = hn::MulAdd(hn::Set(d, 60), t1, hn::Mul(hn::Set(d, 8), t0));
-        r = hn::MulAdd(hn::Set(d, 76), t2, r);
-        r = hn::MulAdd(hn::Set(d, 24), t3, r);
-        rounding = hn::MulAdd(weight, r, rounding);
+    /// Of an expansion of weight W about a distance whose square is u, used up to `reach` away from
+    /// there. docs/EVALUATOR.md derives the factors.
+    HWY_INLINE void add_expansion(D d, hn::Vec<D> weight, const Cubic<D>& cubic, hn::Vec<D> u,
+                                  hn::Vec<D> v, hn::Vec<D> reach) {
+        const auto k0 = hn::Abs(cubic.value()), k1 = hn::Abs(cubic.first()),
+                   k2 = hn::Abs(cubic.second());
+        const auto k3 = hn::Mul(hn::Set(d, 6), hn::Abs(cubic.c3));
+        const auto reach2 = hn::Mul(reach, reach);
+        // 2 (d reach + reach^2) and 4 u reach^2 are the most that K' and K'' are multiplied with.
+        const auto first = hn::Mul(hn::Set(d, 2), hn::MulAdd(hn::Sqrt(u), reach, reach2));
+        const auto second = hn::Mul(hn::Set(d, 4), hn::Mul(u, reach2));
+        const auto sum = hn::MulAdd(k2, second, hn::MulAdd(k1, first, k0));
+        terms = hn::MulAdd(weight, sum, terms);
+        // The derivatives are taken at a v that is wrong by 7 roundings of v.
+        const auto shift = hn::Mul(hn::Set(d, 7), v);
+        const auto shifted = hn::MulAdd(
+            k1, shift, hn::MulAdd(hn::Mul(k2, first), shift, hn::Mul(hn::Mul(k3, second), shift)));
+        rounding = hn::MulAdd(weight, hn::MulAdd(hn::Set(d, 10), sum, shifted), rounding);
+    }
+
+    /// Of a single point.
+    HWY_INLINE void add_point(D d, hn::Vec<D> weight, const Cubic<D>& cubic, hn::Vec<D> v) {
+        const auto k0 = hn::Abs(cubic.value());
+        const auto shifted = hn::Mul(hn::Mul(hn::Set(d, 7), v), hn::Abs(cubic.first()));
+        terms = hn::MulAdd(weight, k0, terms);
+        rounding = hn::MulAdd(weight, hn::MulAdd(hn::Set(d, 10), k0, shifted), rounding);
     }
 };
 
@@ -224,6 +237,10 @@ struct Siblings {
     HWY_INLINE NodeVector load(const float (SumTree::Block::*field)[SumTree::kChildren]) const {
         return load(Nodes(), field);
     }
+    /// Which have any weight: missing children have none.
+    HWY_INLINE hn::Mask<Nodes> lit() const {
+        return hn::Gt(load(&SumTree::Block::weight), hn::Zero(Nodes()));
+    }
     /// Block * 8 + child, for each lane.
     HWY_INLINE hn::Vec<NodeIndices> ids() const {
         const NodeIndices d;
@@ -259,6 +276,14 @@ struct Distance {
     NodeVector reach;                // radii of the ball and of the node together
     NodeVector nearest2, third;      // least squared distance of two points, and its bound
     NodeVector expanded, pointwise;  // remainders
+
+    /// Thresholds of the nodes, times 6 as the remainders.
+    HWY_INLINE NodeVector limit(const NodeThresholds& thresholds) const {
+        const Nodes d;
+        const auto overlaps = hn::Eq(nearest2, hn::Zero(d));
+        return hn::IfThenElse(overlaps, hn::Set(d, 6 * thresholds.overlapping),
+                              hn::Set(d, 6 * thresholds.apart));
+    }
 
     HWY_INLINE Distance(const Siblings& nodes, const Ball& ball, const KernelTable::View& kernel) {
         const Nodes d;
@@ -304,8 +329,8 @@ HWY_INLINE void expand(const Siblings& nodes, NodeMask chosen, const Ball& ball,
     const auto weight = nodes.load(&SumTree::Block::weight);
     e.nodes += std::uint32_t(hn::CountTrue(d, chosen));
     if constexpr (kCertify) {
-        const auto U = hn::Max(at.u, hn::Mul(at.reach, at.reach));
-        e.certificate.add_rounding(d, hn::IfThenElseZero(chosen, weight), cubic, k0, k1, k2, U);
+        e.certificate.add_expansion(d, hn::IfThenElseZero(chosen, weight), cubic, at.u,
+                                    hn::Add(at.u, hn::Set(d, kernel.offset)), at.reach);
         const auto remainder = hn::Add(at.expanded, drift_remainder(nodes, ball, at, kernel));
         e.certificate.remainder =
             hn::Add(e.certificate.remainder, hn::IfThenElseZero(chosen, remainder));
@@ -364,10 +389,14 @@ struct Polynomial {
     }
 };
 
-/// Sums at some points of a packet, and what certifies them.
+/// Sums at some points of a packet, and what certifies them. Terms are added up kRun at a time, and
+/// the partial sums with compensation: of n terms in one go, n roundings could pile up.
 template <bool kCertify>
 struct PointSums {
-    PointVector px, py, pz, sum;
+    static constexpr std::uint32_t kRun = 32;
+
+    PointVector px, py, pz, sum, total, lost;
+    std::uint32_t run = 0;
     Certificate<Points> certificate;
 
     HWY_INLINE PointSums(const TargetGroups::Packet& packet, std::size_t first) {
@@ -375,11 +404,30 @@ struct PointSums {
         px = hn::Load(d, packet.x + first);
         py = hn::Load(d, packet.y + first);
         pz = hn::Load(d, packet.z + first);
-        sum = hn::Zero(d);
+        sum = total = lost = hn::Zero(d);
+    }
+
+    // Knuth's sum of two floats and its error.
+    HWY_INLINE void close_run() {
+        const auto both = hn::Add(total, sum);
+        const auto part = hn::Sub(both, total);
+        const auto error = hn::Add(hn::Sub(total, hn::Sub(both, part)), hn::Sub(sum, part));
+        lost = hn::Add(lost, error);
+        total = both;
+        sum = hn::Zero(Points());
+        run = 0;
+    }
+    HWY_INLINE void count_term() {
+        if (++run == kRun) close_run();
+    }
+    HWY_INLINE PointVector result() {
+        close_run();
+        return hn::Add(total, lost);
     }
 
     HWY_INLINE void add_point(const SumTree::Point& p, const KernelTable::View& kernel) {
         const Points d;
+        count_term();
         const auto dx = hn::Sub(px, hn::Set(d, p.x)), dy = hn::Sub(py, hn::Set(d, p.y)),
                    dz = hn::Sub(pz, hn::Set(d, p.z));
         const auto u = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
@@ -387,16 +435,14 @@ struct PointSums {
         const auto weight = hn::Set(d, p.weight), k0 = cubic.value();
         sum = hn::MulAdd(weight, k0, sum);
         if constexpr (kCertify) {
-            const auto t0 = hn::Abs(k0), t1 = hn::Mul(hn::Abs(cubic.first()), u);
-            certificate.terms = hn::MulAdd(weight, t0, certificate.terms);
-            certificate.rounding =
-                hn::MulAdd(weight, hn::Mul(hn::Set(d, 8), hn::Add(t0, t1)), certificate.rounding);
+            certificate.add_point(d, weight, cubic, hn::Add(u, hn::Set(d, kernel.offset)));
         }
     }
 
     HWY_INLINE void add_node(const SumTree::Block& block, std::size_t lane,
                              const KernelTable::View& kernel) {
         const Points d;
+        count_term();
         const auto dx = hn::Sub(px, hn::Set(d, block.x[lane])),
                    dy = hn::Sub(py, hn::Set(d, block.y[lane])),
                    dz = hn::Sub(pz, hn::Set(d, block.z[lane]));
@@ -414,9 +460,8 @@ struct PointSums {
         const auto second = hn::MulAdd(k1, trace, hn::Mul(hn::Add(k2, k2), dqd));
         sum = hn::Add(sum, hn::MulAdd(weight, k0, second));
         if constexpr (kCertify) {
-            const float radius = block.radius[lane];
-            const auto U = hn::Max(u, hn::Set(d, radius * radius));
-            certificate.add_rounding(d, weight, cubic, k0, k1, k2, U);
+            certificate.add_expansion(d, weight, cubic, u, hn::Add(u, hn::Set(d, kernel.offset)),
+                                      hn::Set(d, block.radius[lane]));
         }
     }
 };
@@ -448,8 +493,8 @@ private:
 template <bool kCertify>
 class GroupSummer {
 public:
-    GroupSummer(const GroupSumInput& input, float threshold, GroupSumState& state)
-        : in_(input), threshold_(threshold), state_(state) {}
+    GroupSummer(const GroupSumInput& input, NodeThresholds thresholds, GroupSumState& state)
+        : in_(input), thresholds_(thresholds), state_(state) {}
 
     void run() {
         const Ball ball{in_.group.center, in_.group.radius};
@@ -496,11 +541,12 @@ private:
 
     void expand_for_group(const Ball& ball, Expansion& expansion) {
         IndexList queue(state_.queue);
-        const auto visit = [&](const Siblings& nodes, NodeMask lanes) HWY_ATTR {
+        const auto visit = [&](const Siblings& nodes, NodeMask wanted) HWY_ATTR {
             const Nodes d;
             const NodeIndices di;
+            const auto lanes = hn::And(wanted, nodes.lit());
             const Distance at(nodes, ball, in_.kernel);
-            const auto small = hn::And(lanes, hn::Le(at.expanded, hn::Set(d, threshold_)));
+            const auto small = hn::And(lanes, hn::Le(at.expanded, at.limit(thresholds_)));
             expansion.steps += 1;
             expand<kCertify>(nodes, small, ball, at, in_.kernel, expansion);
             const auto rest = hn::AndNot(small, lanes);
@@ -531,11 +577,12 @@ private:
         IndexList queue(state_.queue), single_nodes(state_.nodes), leaves(state_.leaves);
         Expansion expansion;
         NodeVector remainder = hn::Zero(Nodes());
-        const auto visit = [&](const Siblings& nodes, NodeMask lanes) HWY_ATTR {
+        const auto visit = [&](const Siblings& nodes, NodeMask wanted) HWY_ATTR {
             const Nodes d;
             const NodeIndices di;
+            const auto lanes = hn::And(wanted, nodes.lit());
             const Distance at(nodes, ball, in_.kernel);
-            const auto limit = hn::Set(d, threshold_);
+            const auto limit = at.limit(thresholds_);
             const auto small = hn::And(lanes, hn::Le(at.expanded, limit));
             expansion.steps += 1;
             expand<kCertify>(nodes, small, ball, at, in_.kernel, expansion);
@@ -597,9 +644,9 @@ private:
             }
             const auto far = hn::Add(of_group.at(sums.px, sums.py, sums.pz),
                                      polynomial.at(sums.px, sums.py, sums.pz));
-            hn::Store(hn::Add(far, sums.sum), d, result.sum + i);
+            hn::Store(hn::Add(far, sums.result()), d, result.sum + i);
             if constexpr (kCertify) {
-                const auto per_term = hn::Set(d, float(evaluations + 4));
+                const auto per_term = hn::Set(d, float(PointSums<kCertify>::kRun + 4));
                 const auto all =
                     hn::MulAdd(per_term, sums.certificate.terms, sums.certificate.rounding);
                 rounding = std::max(rounding, hn::GetLane(hn::MaxOfLanes(d, all)));
@@ -617,16 +664,16 @@ private:
     }
 
     const GroupSumInput& in_;
-    float threshold_;
+    NodeThresholds thresholds_;
     GroupSumState& state_;
 };
 
-void sum_group(const GroupSumInput& input, float threshold, GroupSumState& state) {
-    GroupSummer<false>(input, 6 * threshold, state).run();
+void sum_group(const GroupSumInput& input, NodeThresholds thresholds, GroupSumState& state) {
+    GroupSummer<false>(input, thresholds, state).run();
 }
 
 void sum_group_certified(const GroupSumInput& input, float threshold, GroupSumState& state) {
-    GroupSummer<true>(input, 6 * threshold, state).run();
+    GroupSummer<true>(input, {threshold, threshold}, state).run();
 }
 
 // Nodes of less than half their distance stand for their points, and leaves do anyway, at no less

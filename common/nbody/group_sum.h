@@ -36,14 +36,21 @@ struct GroupSumState {
     std::vector<std::uint32_t> queue, nodes, leaves;  // of blocks; of block * 8 + lane
 };
 
+/// Largest remainders (docs/EVALUATOR.md) that single nodes may have: those whose ball is apart
+/// from that of the points, and those that overlap it. The remainder of the latter is a tight
+/// bound; that of the others overstates the error 10 to 100 times.
+struct NodeThresholds {
+    float apart, overlapping;
+};
+
 /// One instruction set's version of the sums over a tree. docs/EVALUATOR.md explains what they do.
 struct GroupSumFunctions {
     const char* name;
     /// The sum at the group's center, within a factor of about 2, from few nodes.
     float (*estimate)(const GroupSumInput& input, GroupSumState& state);
     /// The sums at all points of the group. A node stands for its points where the bound of its
-    /// remainder is below `threshold`.
-    void (*sum)(const GroupSumInput& input, float threshold, GroupSumState& state);
+    /// remainder is below the threshold.
+    void (*sum)(const GroupSumInput& input, NodeThresholds thresholds, GroupSumState& state);
     /// The same with PacketResult::bound.
     void (*certified_sum)(const GroupSumInput& input, float threshold, GroupSumState& state);
 };

@@ -16,14 +16,23 @@ namespace {
 
 constexpr std::size_t kGrain = 4;  // groups
 
-// A node may have a remainder of so much of the group's sum. Remainders are bounds for a single
-// node, and errors of different nodes cancel: measured relRMSE is 0.5 to 1 times the tolerance over
-// four decades (docs/EVALUATOR.md has the table and the command that made it).
-float threshold_for(float tolerance) { return 55 * std::pow(tolerance, 1.6f); }
+// Nodes may have a remainder of so much of the group's sum. Remainders are bounds, and errors of
+// different nodes cancel: measured relRMSE is 0.3 to 0.9 of the tolerance over three decades
+// (docs/EVALUATOR.md has the table and the command that made it). At loose tolerances few nodes
+// that overlap the points make most of the error, so the others may have more.
+NodeThresholds thresholds_for(float tolerance) {
+    const float overlapping = 10.5f * std::pow(tolerance, 1.4f);
+    const float more = std::clamp(8 * std::pow(tolerance / 0.01f, 0.9f), 1.0f, 8.0f);
+    return {more * overlapping, overlapping};
+}
+
+NodeThresholds operator*(float sum, const NodeThresholds& t) {
+    return {sum * t.apart, sum * t.overlapping};
+}
 
 // The same for certificates, where remainders add up. If doubled, twice as many groups need a
 // second round; if halved, all take longer.
-float certified_threshold_for(float tolerance) { return 0.013f * std::pow(tolerance, 1.5f); }
+float certified_threshold_for(float tolerance) { return 0.008f * std::pow(tolerance, 1.5f); }
 
 // A group's sums may be so much less than estimated before it is summed again.
 constexpr float kOverestimated = 2;
@@ -90,28 +99,31 @@ void PointSum::evaluate(const TargetGroups& targets, float tolerance, const Outp
     for (std::size_t g = 0; g < estimates.size(); ++g)
         mean += double(estimates[g]) * targets.groups()[g].points / double(targets.order().size());
     const float least = kDark * float(mean);
-    const float factor = threshold_for(tolerance);
+    const NodeThresholds thresholds = thresholds_for(tolerance);
     parallel_ranges(estimates.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         GroupSumState state;
         for (std::size_t g = begin; g < end; ++g) {
             const GroupSumInput in = input(targets, g);
             const float assumed = std::max(estimates[g], least);
-            functions_.sum(in, factor * assumed, state);
+            functions_.sum(in, assumed * thresholds, state);
             float smallest = kInfinity;
             for (std::uint32_t p = 0; p < in.group.packets; ++p)
                 for (const float sum : state.packets[p].sum)
                     smallest = std::min(smallest, std::abs(sum));
             smallest = std::max(smallest, least);
-            if (assumed > kOverestimated * smallest) functions_.sum(in, factor * smallest, state);
+            if (assumed > kOverestimated * smallest)
+                functions_.sum(in, smallest * thresholds, state);
             put(targets, g, state, output);
         }
     });
 }
 
-// The kernel in double differs from the table's by at most its stated error.
+// The kernel in double differs from the table's by at most its stated error. Also covers rounding
+// the sum and the bound to float.
 double PointSum::with_table_error(double sum, double bound) const {
-    return bound + kTableMargin * (kernel_.max_relative_error() * (std::abs(sum) + bound) +
-                                   kernel_.max_error_beyond() * tree_.total_weight());
+    const double table = kernel_.max_relative_error() * (std::abs(sum) + bound) +
+                         kernel_.max_error_beyond() * tree_.total_weight();
+    return (1 + 0x1p-22) * (bound + kTableMargin * table + 0x1p-23 * std::abs(sum));
 }
 
 PointSum::Certification PointSum::certify(const TargetGroups& targets, float tolerance,
@@ -183,7 +195,7 @@ std::size_t PointSum::sum_plainly(const TargetGroups& targets, std::size_t group
             const double bound = with_table_error(result.sum, result.bound);
             output.sum[target] = float(result.sum);
             output.evaluations[target] = float(tree_.points().size());
-            output.bound[target] = float(bound * (1 + 1e-6)) + 1e-7f * float(std::abs(result.sum));
+            output.bound[target] = float(bound);
             uncertified += !(bound <= tolerance * (result.sum - bound));
         }
     }
