@@ -20,7 +20,7 @@ using test::RandomCloud;
 using test::RandomKernel;
 
 // Chosen for about 3 s on two cores, all instruction sets included.
-constexpr std::uint64_t kProblems = 240;
+constexpr std::uint64_t kProblems = 120;
 constexpr float kTolerances[] = {0.1f, 0.01f, 0.001f, 1e-4f};
 // Sums in double have rounding errors of their own.
 constexpr double kReferenceError = 1e-13;
@@ -70,7 +70,7 @@ Problem draw_problem(std::uint64_t seed) {
     const double size = draw.log_uniform(1e-3, 1e3);
     const RandomKernel kernel = test::draw_kernel(draw, size);
     const auto samples = std::size_t(draw.log_uniform(1, 6000));
-    const std::size_t targets = std::clamp<std::size_t>(400000 / samples, 1, 1500);
+    const std::size_t targets = std::clamp<std::size_t>(250000 / samples, 1, 2000);
     RandomCloud points = test::draw_cloud(draw, size, samples);
     // A unit that suits another channel's kernel better.
     const double factor = draw.one_in(3) ? draw.log_uniform(0.1, 10) : 1;
@@ -111,14 +111,6 @@ void check(const Problem& problem, const Result& result, Statistics& statistics)
     EXPECT_EQ(not_finite, 0u) << problem.name;
     const std::size_t uncertified = result.certification.uncertified;
     EXPECT_LE(too_large, uncertified) << problem.name;
-    if (getenv("DBG"))
-        for (std::size_t i = 0; i < result.sum.size(); ++i) {
-            const double s = result.sum[i], b = result.bound[i], M = problem.exact[i].sum;
-            double r = b / (problem.tolerance * M), r2 = b / (problem.tolerance * (s - b));
-            if ((r > 1 && r < 1.01) || (r2 > 1 && r2 < 1.01))
-                printf("%zu sum %.9g M %.9g bound %.9g ratio-1 %.6g %.6g evals %g\n", i, s, M, b,
-                       r - 1, r2 - 1, result.evaluations[i]);
-        }
     EXPECT_TRUE(surely <= uncertified && uncertified <= possibly)
         << problem.name << ": " << surely << ' ' << uncertified << ' ' << possibly;
     EXPECT_LE(result.certification.repeated, result.sum.size());
@@ -134,8 +126,7 @@ TEST(Certificate, HoldsOnRandomProblems) {
     const auto problems = std::uint64_t(std::ceil(double(kProblems) * test::intensity()));
     const std::vector<GroupSumFunctions> all = all_group_sum_functions();
     std::vector<Statistics> statistics(all.size());
-    for (std::uint64_t seed = getenv("DBG") ? atoi(getenv("DBG")) : 0;
-         seed < problems && !HasFailure(); ++seed) {
+    for (std::uint64_t seed = 0; seed < problems && !HasFailure(); ++seed) {
         const Problem problem = draw_problem(seed);
         PointSum sums = problem.point_sum();
         for (std::size_t f = 0; f < (seed < kProblems ? all.size() : 1); ++f) {
