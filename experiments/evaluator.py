@@ -11,17 +11,18 @@ and writes into docs/results:
     evaluator_*.png        error against time and against evaluations; time against samples, points
     evaluator_machine.txt  where, from what and by which command
 
-relRMSE, p99 and max are errors against the plain sum in double, at points drawn with a fixed seed.
+busy is the number of cores that the fastest run had: if below threads, times mean little. relRMSE,
+p99 and max are errors against the plain sum in double, at points drawn with a fixed seed.
 Criteria: `error` is PointSum::evaluate, `certified` PointSum::certify, `solid-angle` the traversal
 of [JB02] with our table of the kernel, `formula` the same with the dipole's formula in float at each
 node, as published implementations have it. The last two skip settings that would take longer than
 --budget seconds.
 
 Needs the release build (./run build), the scanned meshes (./run fetch), and
-`pip install numpy matplotlib`. The whole takes hours; --quick takes less than two minutes and writes
-to out/evaluator/quick.
+`pip install numpy matplotlib`. The whole takes hours; --standard a quarter of an hour; --quick takes
+less than two minutes and writes to out/evaluator/quick.
 
-    experiments/evaluator.py [--quick] [--budget SECONDS] [--output DIR] [--build DIR]
+    experiments/evaluator.py [--quick | --standard] [--budget SECONDS] [--output DIR] [--build DIR]
     experiments/evaluator.py --plot-only [--output DIR]
 """
 import argparse
@@ -61,8 +62,17 @@ QUICK = FULL | {
     "samples": [200_000],
     "tolerances": [0.1, 0.01, 0.001],
     "certify": [0.01],
-    "solid_angles": [0.6, 0.06, 0.018],
+    "solid_angles": [0.6, 0.06, 0.009],
     "rays": [4],
+    "repeat": 2,
+}
+STANDARD = FULL | {
+    "models": ["dipole"],
+    "samples": [50_000, 200_000, 1_000_000],
+    "tolerances": [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003],
+    "certify": [0.03, 0.01, 0.003],
+    "solid_angles": [0.6, 0.18, 0.06, 0.018, 0.006],
+    "repeat": 2,
 }
 STUDIED_SAMPLES = 200_000  # where points and threads are varied
 REFERENCE_PAIRS = 2e9  # of point, sample and channel: some 10 s for a run's reference
@@ -271,7 +281,16 @@ def time_at_error(rows, error):
                                  numpy.log([r["time"] for r in rows])))
 
 
-def write_speedups(rows, file):
+def disturbance(rows):
+    """A sentence about rows whose threads did not have a core each, or nothing."""
+    count = sum(r["busy"] < 0.9 * r["threads"] and r["evaluation_s"] > 0.02 for r in rows)
+    if count == 0:
+        return ""
+    return (f"Disturbed: in {count} of {len(rows)} rows of the CSV `busy`, CPU seconds a second, is "
+            "more than a tenth below `threads`; something else was running.")
+
+
+def write_speedups(rows, note, file):
     head = ["scene", "material", "model", "lit samples", "relRMSE", "error, s", "solid-angle, s",
             "formula, s", "times solid-angle", "times formula"]
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
@@ -284,7 +303,7 @@ def write_speedups(rows, file):
             cells += [f"{s:.3g}" if s else "" for s in seconds]
             cells += [f"{s / seconds[0]:.1f}" if s and seconds[0] else "" for s in seconds[1:]]
             lines.append("| " + " | ".join(cells) + " |")
-    file.write_text("\n".join(lines) + "\n")
+    file.write_text("\n".join([*lines, *(["", note] if note else [])]) + "\n")
 
 
 def finish_plot(figure, file):
@@ -348,7 +367,7 @@ def plot_time(rows, keys, against, label, file):
 def plot(options):
     rows = read_rows(options.output / "evaluator.csv")
     compared = main_study(rows)
-    write_speedups(compared, options.output / "evaluator_speedup.md")
+    write_speedups(compared, disturbance(rows), options.output / "evaluator_speedup.md")
     plot_error(compared, "time", "grouping and evaluation, s",
                options.output / "evaluator_error_time.png")
     plot_error(compared, "evaluations_per_point", "kernel evaluations a point, three channels",
@@ -369,20 +388,22 @@ def plot(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="one scene, few settings")
+    parser.add_argument("--standard", action="store_true",
+                        help="the dipole, up to a million samples: a quarter of an hour")
     parser.add_argument("--plot-only", action="store_true", help="from the CSV that is there")
     parser.add_argument("--budget", type=float, default=None,
-                        help="seconds a classical setting may take (60; 20 if quick)")
+                        help="seconds a classical setting may take (60; 20 if quick, 8 if standard)")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--output", type=pathlib.Path)
     options = parser.parse_args()
-    options.budget = options.budget or (20 if options.quick else 60)
+    options.budget = options.budget or (20 if options.quick else 8 if options.standard else 60)
     options.build = options.build.resolve()
     options.output = options.output or (WORK / "quick" if options.quick
                                         else ROOT / "docs/results")
     options.output.mkdir(parents=True, exist_ok=True)
     if not options.plot_only:
         machine = describe_machine(options)
-        measure(options, QUICK if options.quick else FULL)
+        measure(options, QUICK if options.quick else STANDARD if options.standard else FULL)
         (options.output / "evaluator_machine.txt").write_text(machine)
     plot(options)
     print((options.output / "evaluator_speedup.md").read_text(), end="")

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <numeric>
 
 #include "common/base/errors.h"
@@ -16,16 +17,31 @@ namespace {
 // The best of several runs leaves out what else the machine did; runs so long need no second one.
 constexpr double kLongEnough = 10;  // s, all runs together
 
+struct Time {
+    double wall, cpu;  // s, of the same run; cpu of all threads together
+};
+
 template <class Run>
-double best_time(int repeat, const Run& run) {
-    double best = 1e30, all = 0;
+Time best_time(int repeat, const Run& run) {
+    Time best{1e30, 0};
+    double all = 0;
     for (int i = 0; i < repeat && (i == 0 || all < kLongEnough); ++i) {
+        const std::clock_t cpu_start = std::clock();
         const auto start = std::chrono::steady_clock::now();
         run();
-        const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-        best = std::min(best, time.count()), all += time.count();
+        const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+        const double cpu = double(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+        if (wall.count() < best.wall) best = {wall.count(), cpu};
+        all += wall.count();
     }
     return best;
+}
+
+// Runs the evaluation of a measurement.
+template <class Run>
+void time_evaluation(Measurement& m, int repeat, const Run& run) {
+    const Time time = best_time(repeat, run);
+    m.evaluation = time.wall, m.busy = time.cpu / time.wall;
 }
 
 std::array<KernelTable, 3> tabulate(const Problem& problem) {
@@ -42,25 +58,27 @@ public:
         : problem_(problem), certified_(certified) {
         isa = group_sum_functions().name;
         const std::array<KernelTable, 3> tables = tabulate(problem);
-        preparation_ = best_time(repeat, [&] {
-            for (std::size_t c = 0; c < 3; ++c)
-                sums_[c] = std::make_unique<PointSum>(problem.samples.position, problem.flux[c],
-                                                      problem.samples.nodes, tables[c]);
-        });
+        preparation_ =
+            best_time(repeat, [&] {
+                for (std::size_t c = 0; c < 3; ++c)
+                    sums_[c] = std::make_unique<PointSum>(problem.samples.position, problem.flux[c],
+                                                          problem.samples.nodes, tables[c]);
+            }).wall;
     }
 
     Measurement measure(double tolerance, int repeat) const override {
         const std::size_t n = problem_.points.size();
         const double unit = sums_[0]->kernel().unit();
         Measurement m;
-        m.grouping = best_time(repeat, [&] { const TargetGroups targets(problem_.points, unit); });
+        m.grouping =
+            best_time(repeat, [&] { const TargetGroups targets(problem_.points, unit); }).wall;
         const TargetGroups targets(problem_.points, unit);
         std::array<std::vector<float>, 3> evaluations;
         for (std::size_t c = 0; c < 3; ++c) {
             m.M[c].resize(n), evaluations[c].resize(n);
             if (certified_) m.bound[c].resize(n);
         }
-        m.evaluation = best_time(repeat, [&] {
+        time_evaluation(m, repeat, [&] {
             m.repeated = m.uncertified = 0;
             for (std::size_t c = 0; c < 3; ++c) {
                 const PointSum::Output output{m.M[c], evaluations[c], m.bound[c]};
@@ -89,11 +107,11 @@ public:
     SolidAngleMethod(const Problem& problem, std::array<Kernel, 3> kernels, int repeat)
         : problem_(problem), kernels_(std::move(kernels)) {
         preparation_ = best_time(repeat, [&] {
-            for (std::size_t c = 0; c < 3; ++c)
-                sums_[c] =
-                    std::make_unique<SolidAngleSum>(problem.samples.position, problem.flux[c],
-                                                    problem.samples.area, problem.samples.nodes);
-        });
+                           for (std::size_t c = 0; c < 3; ++c)
+                               sums_[c] = std::make_unique<SolidAngleSum>(
+                                   problem.samples.position, problem.flux[c], problem.samples.area,
+                                   problem.samples.nodes);
+                       }).wall;
     }
 
     Measurement measure(double solid_angle, int repeat) const override {
@@ -101,7 +119,7 @@ public:
         Measurement m;
         for (std::vector<float>& M : m.M) M.resize(n);
         std::vector<float> evaluations(n);
-        m.evaluation = best_time(repeat, [&] {
+        time_evaluation(m, repeat, [&] {
             parallel_for(n, 64, [&](std::size_t i) {  // as ExitanceField does
                 std::uint64_t calls = 0;
                 for (std::size_t c = 0; c < 3; ++c)

@@ -15,6 +15,9 @@ namespace tallow {
 /// runs, and the results of the last.
 struct Measurement {
     double grouping = 0, evaluation = 0;
+    // CPU seconds of the process per second of the fastest evaluation. Well below the number of
+    // threads, something else had the cores, or the work was not shared.
+    double busy = 0;
     double evaluations = 0;                      // of kernels, for each point, all channels
     std::array<std::vector<float>, 3> M, bound;  // [channel][point]; bounds may be empty
     std::size_t repeated = 0, uncertified = 0;   // of points and channels

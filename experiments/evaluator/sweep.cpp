@@ -84,7 +84,7 @@ Tightness tightness(const Measurement& m) {
 constexpr const char* kHeader =
     "scene,material,model,lit_samples,points,criterion,kernel,setting,threads,isa,relRMSE,p99,max,"
     "grouping_s,evaluation_s,prepare_s,evaluations_per_point,mean_bound,max_bound,repeated_share,"
-    "uncertified,violations,reference_points";
+    "uncertified,violations,reference_points,busy";
 
 class Sweep {
 public:
@@ -120,7 +120,7 @@ private:
                        double(m.repeated) / (3 * double(problem_.points.size())), m.uncertified,
                        errors.outside);
         }
-        fmt::print(",{}\n", reference_.point.size());
+        fmt::print(",{},{:.3g}\n", reference_.point.size(), m.busy);
         std::fflush(stdout);
     }
 
