@@ -210,6 +210,15 @@ TEST(BadInput, Flags) {
         {true, with(rendering, {"--aovs", "depth"}),
          "--aovs: expected all, none or some of multiple, single, diffuse, specular, emission, "
          "exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
+        {true, with(rendering, {"--certify", "0.00001"}),
+         "--certify: expected a number in [1e-4, 1), got '0.00001'"},
+        {true, with(rendering, {"--certify", "0.01", "--tolerance", "0.01"}),
+         "--certify: expected instead of --tolerance, got both"},
+        {true, with(rendering, {"--criterion", "angle"}),
+         "--criterion: expected error or solid-angle, got 'angle'"},
+        {true, with(rendering, {"--certify", "0.01", "--criterion", "solid-angle"}),
+         "--certify: expected --criterion error, got solid-angle, which has no bound"},
+        {true, with(rendering, {"--aovs", "error_bound"}), "--aovs: error_bound needs --certify"},
         {true, with(rendering, {"--aovs", "Z,Z"}), "--aovs: 'Z' is asked for twice"},
         {true, with(rendering, {"--set", "materials.stone.colour=1"}),
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "

@@ -19,7 +19,7 @@ using test::Draw;
 using test::RandomCloud;
 using test::RandomKernel;
 
-// Chosen for about 3 s on two cores, all instruction sets included.
+// Some 3 to 4 s on one core, all instruction sets included.
 constexpr std::uint64_t kProblems = 120;
 constexpr float kTolerances[] = {0.1f, 0.01f, 0.001f, 1e-4f};
 // Sums in double have rounding errors of their own.
