@@ -3,7 +3,7 @@
 """Does --tolerance keep its promise? Measured error over tolerance, for every preset, model and N.
 
 Renders the exitance of a body with each preset of data/materials.yaml (default spacing), with each
-model, and in marble with samples from one to millions, with tolerances 0.1 to 0.0001, against the
+model, and in marble with samples from one to millions, with tolerances 0.1, 0.01 and 0.001, against the
 plain sum (--tolerance 0). Prints a Markdown table, writes docs/results/tolerance.csv, and exits with 1
 if any relRMSE is above its tolerance. Needs the release build, the scanned meshes (./run fetch) and
 `pip install numpy OpenEXR`.
@@ -22,7 +22,7 @@ import OpenEXR
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 OUT = ROOT / "out" / "tolerance"
-TOLERANCES = [0.1, 0.01, 0.001, 0.0001]
+TOLERANCES = [0.1, 0.01, 0.001]
 MODELS = ["dipole", "classic-dipole", "better-dipole", "normalized-diffusion", "photon-beam-diffusion",
           "transport"]
 SCENE = """unit: mm
@@ -104,6 +104,7 @@ def main():
             print("| " + " | ".join(map(str, row)) + " |", flush=True)
     worst = max(rows, key=lambda row: float(row[5]))
     print(f"\nworst: {worst}", file=sys.stderr)
+    (ROOT / "docs/results").mkdir(exist_ok=True)
     with open(ROOT / "docs/results/tolerance.csv", "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     sys.exit(float(worst[5]) > 1)

@@ -54,6 +54,11 @@ struct Cubic {
         const auto three_c3 = hn::Mul(hn::Set(D(), 3), c3);
         return hn::MulAdd(x, hn::MulAdd(x, three_c3, hn::Add(c2, c2)), c1);
     }
+    /// With the absolute values of the coefficients: its value and derivatives bound all the terms
+    /// that those of this one are added up from.
+    HWY_INLINE Cubic absolute() const {
+        return {hn::Abs(c0), hn::Abs(c1), hn::Abs(c2), hn::Abs(c3), x};
+    }
     HWY_INLINE hn::Vec<D> second() const {
         const auto six_c3 = hn::Mul(hn::Set(D(), 6), c3);
         return hn::MulAdd(x, six_c3, hn::Add(c2, c2));
@@ -174,26 +179,29 @@ struct Certificate {
     /// there. docs/EVALUATOR.md derives the factors.
     HWY_INLINE void add_expansion(D d, hn::Vec<D> weight, const Cubic<D>& cubic, hn::Vec<D> u,
                                   hn::Vec<D> v, hn::Vec<D> reach) {
-        const auto k0 = hn::Abs(cubic.value()), k1 = hn::Abs(cubic.first()),
-                   k2 = hn::Abs(cubic.second());
-        const auto k3 = hn::Mul(hn::Set(d, 6), hn::Abs(cubic.c3));
+        const Cubic<D> bound = cubic.absolute();
+        const auto k0 = bound.value(), k1 = bound.first(), k2 = bound.second();
+        const auto k3 = hn::Mul(hn::Set(d, 6), bound.c3);
         const auto reach2 = hn::Mul(reach, reach);
         // 2 (d reach + reach^2) and 4 u reach^2 are the most that K' and K'' are multiplied with.
         const auto first = hn::Mul(hn::Set(d, 2), hn::MulAdd(hn::Sqrt(u), reach, reach2));
-        const auto second = hn::Mul(hn::Set(d, 4), hn::Mul(u, reach2));
-        const auto sum = hn::MulAdd(k2, second, hn::MulAdd(k1, first, k0));
+        // In an order in which a derivative of 0 keeps the rest from overflowing.
+        const auto times_second = [&](hn::Vec<D> k) HWY_ATTR {
+            return hn::Mul(hn::Mul(hn::Mul(hn::Mul(k, hn::Set(d, 4)), u), reach), reach);
+        };
+        const auto sum = hn::Add(times_second(k2), hn::MulAdd(k1, first, k0));
         terms = hn::MulAdd(weight, sum, terms);
         // The derivatives are taken at a v that is wrong by 7 roundings of v.
-        const auto shift = hn::Mul(hn::Set(d, 7), v);
-        const auto shifted = hn::MulAdd(
-            k1, shift, hn::MulAdd(hn::Mul(k2, first), shift, hn::Mul(hn::Mul(k3, second), shift)));
+        const auto slopes = hn::Add(k1, hn::Add(hn::Mul(k2, first), times_second(k3)));
+        const auto shifted = hn::Mul(hn::Mul(hn::Set(d, 7), v), slopes);
         rounding = hn::MulAdd(weight, hn::MulAdd(hn::Set(d, 10), sum, shifted), rounding);
     }
 
     /// Of a single point.
     HWY_INLINE void add_point(D d, hn::Vec<D> weight, const Cubic<D>& cubic, hn::Vec<D> v) {
-        const auto k0 = hn::Abs(cubic.value());
-        const auto shifted = hn::Mul(hn::Mul(hn::Set(d, 7), v), hn::Abs(cubic.first()));
+        const Cubic<D> bound = cubic.absolute();
+        const auto k0 = bound.value();
+        const auto shifted = hn::Mul(hn::Mul(hn::Set(d, 7), v), bound.first());
         terms = hn::MulAdd(weight, k0, terms);
         rounding = hn::MulAdd(weight, hn::MulAdd(hn::Set(d, 10), k0, shifted), rounding);
     }
@@ -649,7 +657,8 @@ private:
                 const auto per_term = hn::Set(d, float(PointSums<kCertify>::kRun + 4));
                 const auto all =
                     hn::MulAdd(per_term, sums.certificate.terms, sums.certificate.rounding);
-                rounding = std::max(rounding, hn::GetLane(hn::MaxOfLanes(d, all)));
+                const float worst = hn::GetLane(hn::MaxOfLanes(d, all));
+                if (!(worst <= rounding)) rounding = worst;  // NaN, too
             }
         }
         result.bound = kRounding * rounding;

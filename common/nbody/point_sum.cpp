@@ -149,20 +149,25 @@ PointSum::Certification PointSum::certify(const TargetGroups& targets, float tol
     return {repeated, uncertified};
 }
 
-// Whether all bounds of a group are at most tolerance * (sum - bound), which is at most tolerance
-// times the exact sum. `worst` is the largest of bound / (what it may be).
-bool PointSum::within(const TargetGroups& targets, std::size_t group, float tolerance,
-                      const Output& output, float& worst) const {
+// The largest of bound / (what it may be) over a group, and how many points are too dark for any
+// bound: the table's error alone is more than they may have. A bound may be tolerance * (sum -
+// bound), which is at most tolerance times the exact sum.
+PointSum::Judgement PointSum::judge(const TargetGroups& targets, std::size_t group, float tolerance,
+                                    const Output& output) const {
     const GroupSumInput in = input(targets, group);
     const std::uint32_t first = in.packets[0].first;
-    worst = 0;
+    Judgement result;
     for (std::uint32_t k = first; k < first + in.group.points; ++k) {
         const std::uint32_t target = targets.order()[k];
-        const float bound = output.bound[target];
-        const float allowed = tolerance * (output.sum[target] - bound);
-        if (!(bound <= allowed)) worst = std::max(worst, allowed > 0 ? bound / allowed : kInfinity);
+        const float sum = output.sum[target], bound = output.bound[target];
+        const float allowed = tolerance * (sum - bound);
+        if (bound <= allowed) continue;
+        if (with_table_error(sum, 0) > tolerance * sum)
+            result.hopeless += 1;
+        else
+            result.excess = std::max(result.excess, allowed > 0 ? bound / allowed : kInfinity);
     }
-    return worst == 0;
+    return result;
 }
 
 PointSum::Certification PointSum::certify_group(const TargetGroups& targets, std::size_t group,
@@ -173,11 +178,10 @@ PointSum::Certification PointSum::certify_group(const TargetGroups& targets, std
     for (int round = 0; round < kRounds; ++round) {
         functions_.certified_sum(in, threshold, state);
         put(targets, group, state, output);
-        float worst = 0;
-        if (within(targets, group, tolerance, output, worst))
-            return {round > 0 ? in.group.points : 0u, 0};
+        const Judgement judgement = judge(targets, group, tolerance, output);
+        if (judgement.excess <= 1) return {round > 0 ? in.group.points : 0u, judgement.hopeless};
         // Bounds grow as the threshold to the power of 2/3; a little more than that would ask for.
-        threshold *= std::clamp(0.8f * std::pow(worst, -1.5f), 1e-3f, 0.5f);
+        threshold *= std::clamp(0.8f * std::pow(judgement.excess, -1.5f), 1e-3f, 0.5f);
     }
     return {in.group.points, sum_plainly(targets, group, tolerance, output)};
 }
@@ -196,7 +200,8 @@ std::size_t PointSum::sum_plainly(const TargetGroups& targets, std::size_t group
             output.sum[target] = float(result.sum);
             output.evaluations[target] = float(tree_.points().size());
             output.bound[target] = float(bound);
-            uncertified += !(bound <= tolerance * (result.sum - bound));
+            uncertified +=
+                !(output.bound[target] <= tolerance * (output.sum[target] - output.bound[target]));
         }
     }
     return uncertified;
@@ -215,9 +220,11 @@ PointSum::Plain PointSum::plain(float x, float y, float z) const {
         const float t = v - std::bit_cast<float>(bits >> kernel.shift << kernel.shift);
         const KernelTable::Segment& s = kernel.segments[index];
         const float k0 = s.c0 + t * (s.c1 + t * (s.c2 + t * s.c3));
-        const float k1 = s.c1 + t * (2 * s.c2 + t * 3 * s.c3);
+        const double c1 = std::abs(s.c1), c2 = std::abs(s.c2), c3 = std::abs(s.c3);
+        const double terms = std::abs(s.c0) + t * (c1 + t * (c2 + t * c3));
+        const double slope = c1 + t * (2 * c2 + t * 3 * c3);
         sum += double(p.weight) * k0;
-        rounding += double(p.weight) * 8 * (std::abs(double(k0)) + std::abs(double(k1)) * v);
+        rounding += double(p.weight) * (10 * terms + 7 * v * slope);
     }
     return {scale_ * sum, scale_ * 0x1p-24 * 1.001 * rounding};
 }

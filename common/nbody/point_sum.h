@@ -41,7 +41,8 @@ public:
              std::span<const OctreeNode> nodes, KernelTable kernel);
 
     /// Sums whose measured relative error stays below `tolerance`, in (0, 1): the root mean square
-    /// over all targets, over their mean. Not a bound. The same for any number of threads.
+    /// over all targets, over their mean. Not a bound, and measured for kernels that fall; a kernel
+    /// that rises first can miss it by half. The same for any number of threads.
     void evaluate(const TargetGroups& targets, float tolerance, const Output& output) const;
 
     /// Sums with |sum - M| <= bound <= tolerance * M for each target, M the exact sum with the
@@ -58,14 +59,18 @@ private:
     struct Plain {
         double sum, bound;
     };
+    struct Judgement {
+        float excess = 0;
+        std::size_t hopeless = 0;
+    };
     GroupSumInput input(const TargetGroups& targets, std::size_t group) const;
     std::vector<float> estimate(const TargetGroups& targets) const;
     void put(const TargetGroups& targets, std::size_t group, const GroupSumState& state,
              const Output& output) const;
     Certification certify_group(const TargetGroups& targets, std::size_t group, float estimate,
                                 float tolerance, GroupSumState& state, const Output& output) const;
-    bool within(const TargetGroups& targets, std::size_t group, float tolerance,
-                const Output& output, float& worst) const;
+    Judgement judge(const TargetGroups& targets, std::size_t group, float tolerance,
+                    const Output& output) const;
     std::size_t sum_plainly(const TargetGroups& targets, std::size_t group, float tolerance,
                             const Output& output) const;
     Plain plain(float x, float y, float z) const;

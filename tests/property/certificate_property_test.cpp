@@ -20,7 +20,7 @@ using test::RandomCloud;
 using test::RandomKernel;
 
 // Some 3 to 4 s on one core, all instruction sets included.
-constexpr std::uint64_t kProblems = 120;
+constexpr std::uint64_t kProblems = 90;
 constexpr float kTolerances[] = {0.1f, 0.01f, 0.001f, 1e-4f};
 // Sums in double have rounding errors of their own.
 constexpr double kReferenceError = 1e-13;
