@@ -10,7 +10,7 @@ namespace {
 
 // Solid angle for a tolerance (relRMSE). Fitted: on the bunny, armadillo and elephant in marble the
 // measured error is then 0.2 to 0.9 of the tolerance between 0.0003 and 0.1; doubled, it exceeds
-// the tolerance on the bunny. docs/EVALUATOR.md has the table and the command that made it.
+// the tolerance on the bunny (docs/results/evaluator.csv, by experiments/evaluator.py).
 float solid_angle_for(float tolerance) { return 6 * tolerance; }
 
 }  // namespace
