@@ -374,6 +374,10 @@ struct Polynomial {
     float value, x, y, z, xx, yy, zz, xy, xz, yz;
 
     HWY_INLINE Polynomial(const Expansion& e, Vec3 about) : center(about) {
+        if (e.nodes == 0) {  // often so for packets of many points a pixel
+            value = x = y = z = xx = yy = zz = xy = xz = yz = 0;
+            return;
+        }
         const Nodes d;
         value = total(d, e.value);
         x = 2 * total(d, e.x), y = 2 * total(d, e.y), z = 2 * total(d, e.z);
@@ -650,8 +654,8 @@ private:
                     sums.add_point(points[j], in_.kernel);
                 evaluations += block.count[lane];
             }
-            const auto far = hn::Add(of_group.at(sums.px, sums.py, sums.pz),
-                                     polynomial.at(sums.px, sums.py, sums.pz));
+            auto far = of_group.at(sums.px, sums.py, sums.pz);
+            if (expansion.nodes > 0) far = hn::Add(far, polynomial.at(sums.px, sums.py, sums.pz));
             hn::Store(hn::Add(far, sums.result()), d, result.sum + i);
             if constexpr (kCertify) {
                 const auto per_term = hn::Set(d, float(PointSums<kCertify>::kRun + 4));
