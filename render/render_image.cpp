@@ -22,8 +22,7 @@ constexpr int kTileSize = 32;
 // Camera rays a pixel that are held in memory at once.
 constexpr int kSamplesPerPass = 16;
 
-// Camera rays that are held in memory at once: they take some 50 MB. Fewer make smaller groups of
-// neighbours; a quarter costs a tenth of the evaluator's time.
+// Camera rays that are held in memory at once. Chosen: many, so that neighbours meet in a band.
 constexpr std::size_t kRaysPerBand = 1 << 18;
 
 // Depths of the ray march through a body and shadow rays to each area light on opaque surfaces: so
