@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Does --tolerance keep its promise? Measured error over tolerance, for every preset, model and N.
 
-Renders the exitance of a body with each preset of data/materials.yaml (default spacing), with each
+Renders the exitance of every shipped scene, and of a body with each preset of data/materials.yaml (default spacing), with each
 model, and in marble with samples from one to millions, with tolerances 0.1, 0.01 and 0.001, against the
 plain sum (--tolerance 0). Prints a Markdown table, writes docs/results/tolerance.csv, and exits with 1
 if any relRMSE is above its tolerance. Needs the release build, the scanned meshes (./run fetch) and
 `pip install numpy OpenEXR`.
 
-    experiments/tolerance.py [--quick]
+    experiments/tolerance.py [--quick | --scenes]
 """
 import csv
 import json
@@ -53,10 +53,10 @@ def exitance(file):
         return numpy.stack([channels["exitance." + c].pixels for c in "RGB"], -1).astype(float)
 
 
-def render(scene, cache, tolerance):
+def render(scene, cache, tolerance, *flags):
     image, stats = OUT / "image.exr", OUT / "stats.json"
     run("tallow-render", scene, "--cache", cache, "-o", image, "--stats", stats, "--samples", 1,
-        "--aovs", "exitance", "--tolerance", tolerance)
+        "--aovs", "exitance", "--tolerance", tolerance, *flags)
     return exitance(image), json.loads(stats.read_text())["counts"]
 
 
@@ -78,6 +78,27 @@ def measure(preset, model, spacing, resolution):
     return rows
 
 
+def measure_scene(name):
+    """A shipped scene as it is, but small, and without light scattered once."""
+    scene, cache = ROOT / "scenes" / f"{name}.yaml", OUT / "cache.tallow"
+    text = scene.read_text()
+    camera = re.search(r"^cameras:\s*\n\s+(\w+):", text, re.MULTILINE).group(1)
+    body = re.search(r"^\s+(\w+):\s*\{[^}]*type: subsurface", text, re.MULTILINE).group(1)
+    flags = ["--set", f"cameras.{camera}.resolution=[96, 96]",
+             "--set", f"materials.{body}.single_scattering=off"]
+    run("tallow-precompute", scene, "-o", cache, "--light-samples", 4, *flags)
+    plain, _ = render(scene, cache, 0, *flags)
+    seen = plain.max(axis=2) > 0
+    rows = []
+    for tolerance in TOLERANCES:
+        fast, counts = render(scene, cache, tolerance, *flags)
+        error = numpy.sqrt(numpy.mean((fast[seen] - plain[seen]) ** 2)) / numpy.mean(plain[seen])
+        rows.append([name, "of the scene", counts["lit_samples"], tolerance, f"{error:.3g}",
+                     f"{error / tolerance:.2f}",
+                     round(counts["evaluations"] / counts["exitance_points"])])
+    return rows
+
+
 def presets():
     text = (ROOT / "data/materials.yaml").read_text()
     return re.findall(r"^([a-z][a-z0-9-]*):", text, re.MULTILINE)
@@ -94,18 +115,24 @@ def cases(quick):
 
 def main():
     OUT.mkdir(parents=True, exist_ok=True)
-    header = ["preset", "model", "lit samples", "tolerance", "relRMSE", "of the tolerance",
+    header = ["scene or preset", "model", "lit samples", "tolerance", "relRMSE", "of the tolerance",
               "evaluations a point"]
     rows = []
     print("| " + " | ".join(header) + " |\n" + "|---" * len(header) + "|")
-    for case in cases("--quick" in sys.argv):
-        for row in measure(*case):
+    quick = "--quick" in sys.argv
+    scenes = sorted(path.stem for path in (ROOT / "scenes").glob("*.yaml"))
+    measurements = [lambda name=name: measure_scene(name) for name in scenes]
+    if "--scenes" not in sys.argv:
+        measurements += [lambda case=case: measure(*case) for case in cases(quick)]
+    for measurement in measurements:
+        for row in measurement():
             rows.append(row)
             print("| " + " | ".join(map(str, row)) + " |", flush=True)
     worst = max(rows, key=lambda row: float(row[5]))
     print(f"\nworst: {worst}", file=sys.stderr)
+    name = "tolerance_scenes.csv" if "--scenes" in sys.argv else "tolerance.csv"
     (ROOT / "docs/results").mkdir(exist_ok=True)
-    with open(ROOT / "docs/results/tolerance.csv", "w", newline="") as file:
+    with open(ROOT / "docs/results" / name, "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     sys.exit(float(worst[5]) > 1)
 
