@@ -56,7 +56,7 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
 
 void ExitanceField::gather_by_error(std::span<const ExitancePoint> points, Exitance& result) const {
     std::vector<Vec3> positions(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) positions[i] = points[i].position;
+    parallel_for(points.size(), 16384, [&](std::size_t i) { positions[i] = points[i].position; });
     const TargetGroups targets(positions, profiles_[0].unit());
     std::vector<float> sum(points.size()), bound, evaluations(points.size());
     if (accuracy_.certified) {

@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
 
 #include "common/base/parallel.h"
@@ -66,14 +68,19 @@ public:
         add_seen_lights();
     }
 
-    /// Appends the points of a body that were hit.
-    void list_points(std::uint32_t object, std::vector<ExitancePoint>& points) const {
+    /// The points of a body that were hit.
+    std::size_t count_points(std::uint32_t object) const {
+        return std::size_t(
+            std::count_if(hits_.points.begin(), hits_.points.end(),
+                          [&](const ShadingPoint& point) { return point.hit.object == object; }));
+    }
+    void list_points(std::uint32_t object, ExitancePoint* points) const {
         for (const ShadingPoint& point : hits_.points)
             if (point.hit.object == object)
-                points.push_back({point.hit.position, point.hit.n, point.w_o});
+                *points++ = {point.hit.position, point.hit.n, point.w_o};
     }
 
-    /// Adds the exitance of a body; that of the points from list_points() starts at `next`.
+    /// Adds the exitance of a body; that of this tile's points starts at `next`.
     void add_multiple_scattering(std::uint32_t object, const Exitance& exitance, std::size_t next) {
         const Body& body = *view_.bodies[object];
         const float weight = 1.0f / float(view_.scene.settings.samples);
@@ -185,12 +192,14 @@ private:
     }
 
     void add_multiple_scattering(std::uint32_t object) {
-        std::vector<ExitancePoint> points;
-        std::vector<std::size_t> first;  // [tile] of its points
-        for (const TileRenderer& tile : tiles_) {
-            first.push_back(points.size());
-            tile.list_points(object, points);
-        }
+        std::vector<std::size_t> first(tiles_.size() + 1);  // [tile] of its points
+        parallel_for(tiles_.size(), 1,
+                     [&](std::size_t i) { first[i + 1] = tiles_[i].count_points(object); });
+        std::partial_sum(first.begin(), first.end(), first.begin());
+        std::vector<ExitancePoint> points(first.back());
+        parallel_for(tiles_.size(), 1, [&](std::size_t i) {
+            tiles_[i].list_points(object, points.data() + first[i]);
+        });
         const Exitance exitance = view_.bodies[object]->exitance.gather(points);
         parallel_for(tiles_.size(), 1, [&](std::size_t i) {
             tiles_[i].add_multiple_scattering(object, exitance, first[i]);
