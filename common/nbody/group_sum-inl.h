@@ -35,6 +35,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 // are slower by up to a tenth.
 constexpr float kLeftToPackets = 1;
 
+// Of sixteen nodes some nearly always pass, and a branch on that is mispredicted; of fewer it pays.
+constexpr bool kBranchless = kNodeLanes == 2 * SumTree::kChildren;
+
 // Half a unit in the last place of 1: the relative rounding error of a float operation.
 constexpr float kRounding = 0x1p-24f;
 
@@ -124,10 +127,18 @@ public:
     HWY_INLINE void append(hn::Vec<NodeIndices> values, NodeMask chosen) {
         const NodeIndices d;
         if (storage_.size() < size_ + kNodeLanes) storage_.resize(2 * (size_ + kNodeLanes));
-        // Not CompressStore: to memory, some processors compress hundreds of times slower.
-        const auto mask = hn::RebindMask(d, chosen);
-        hn::StoreU(hn::Compress(values, mask), d, storage_.data() + size_);
-        size_ += hn::CountTrue(d, mask);
+        if constexpr (kNodeLanes == 2 * SumTree::kChildren) {
+            // Not CompressStore: to memory, some processors compress hundreds of times slower.
+            const auto mask = hn::RebindMask(d, chosen);
+            hn::StoreU(hn::Compress(values, mask), d, storage_.data() + size_);
+            size_ += hn::CountTrue(d, mask);
+        } else {
+            // g++ 12 copies Highway's table of permutations to the stack for each Compress.
+            HWY_ALIGN std::uint32_t lanes[kNodeLanes];
+            hn::Store(values, d, lanes);
+            for (std::uint32_t rest = mask_bits(chosen); rest != 0; rest &= rest - 1)
+                storage_[size_++] = lanes[std::countr_zero(rest)];
+        }
     }
     std::uint32_t operator[](std::size_t i) const { return storage_[i]; }
     std::size_t size() const { return size_; }
@@ -197,7 +208,8 @@ private:
             const Distance at(nodes, ball, in_.kernel);
             const auto small = hn::And(lanes, hn::Le(at.expanded, at.limit(thresholds_)));
             expansion.steps += 1;
-            expand<kCertify>(nodes, small, ball, at, in_.kernel, expansion);
+            if (kBranchless || !hn::AllFalse(d, small))
+                expand<kCertify>(nodes, small, ball, at, in_.kernel, expansion);
             const auto rest = hn::AndNot(small, lanes);
             const auto children = nodes.load(di, &SumTree::Block::child);
             const auto is_leaf = hn::RebindMask(d, hn::Eq(children, hn::Set(di, SumTree::kLeaf)));
@@ -234,7 +246,8 @@ private:
             const auto limit = at.limit(thresholds_);
             const auto small = hn::And(lanes, hn::Le(at.expanded, limit));
             expansion.steps += 1;
-            expand<kCertify>(nodes, small, ball, at, in_.kernel, expansion);
+            if (kBranchless || !hn::AllFalse(d, small))
+                expand<kCertify>(nodes, small, ball, at, in_.kernel, expansion);
             const auto rest = hn::AndNot(small, lanes);
             const auto children = nodes.load(di, &SumTree::Block::child);
             const auto counts = nodes.load(di, &SumTree::Block::count);
