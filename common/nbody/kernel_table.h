@@ -53,13 +53,21 @@ public:
                 double negligible);
 
     float operator()(float r2) const {
-        const float u = r2 * to_units_;
-        const auto bits = std::bit_cast<std::uint32_t>(u + offset_);
-        const std::uint32_t index = (bits >> shift_) - first_index_;
-        if (index >= size()) return 0;
-        const float x = (u + offset_) - std::bit_cast<float>(bits >> shift_ << shift_);
-        const Segment& s = segments_[index];
+        const auto [s, x] = place(r2 * to_units_);
         return to_units_ * (s.c0 + x * (s.c1 + x * (s.c2 + x * s.c3)));
+    }
+
+    /// The segment that holds u [unit^2], and the place in it; past the end the segment is 0.
+    struct Place {
+        const Segment& segment;
+        float x;
+    };
+    Place place(float u) const {
+        const float v = u + offset_;
+        const auto bits = std::bit_cast<std::uint32_t>(v);
+        const std::size_t index = (bits >> shift_) - first_index_;
+        if (index >= size()) return {segments_.back(), 0};
+        return {segments_[index], v - std::bit_cast<float>(bits >> shift_ << shift_)};
     }
 
     /// Power of two near `length`, for tables and sums that are to share positions.

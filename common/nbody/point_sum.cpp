@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kGrain = 4;  // groups
 
 // Nodes may have a remainder of so much of the group's sum. Remainders are bounds, and errors of
-// different nodes cancel: measured relRMSE is 0.3 to 0.9 of the tolerance over three decades
+// different nodes cancel: measured relRMSE is 0.2 to 0.83 of the tolerance over three decades
 // (docs/EVALUATOR.md has the table and the command that made it). At loose tolerances few nodes
 // that overlap the points make most of the error, so the others may have more.
 NodeThresholds thresholds_for(float tolerance) {
@@ -209,16 +209,12 @@ std::size_t PointSum::sum_plainly(const TargetGroups& targets, std::size_t group
 
 // Every point, accumulated in double. The kernel's own rounding as for points in group_sum-inl.h.
 PointSum::Plain PointSum::plain(float x, float y, float z) const {
-    const KernelTable::View kernel = kernel_.view();
+    const float offset = kernel_.view().offset;
     double sum = 0, rounding = 0;
     for (const SumTree::Point& p : tree_.points()) {
         const float dx = x - p.x, dy = y - p.y, dz = z - p.z;
-        const float u = dx * dx + dy * dy + dz * dz, v = u + kernel.offset;
-        const auto bits = std::bit_cast<std::uint32_t>(v);
-        const std::uint32_t index =
-            std::min((bits >> kernel.shift) - kernel.first_index, kernel.size);
-        const float t = v - std::bit_cast<float>(bits >> kernel.shift << kernel.shift);
-        const KernelTable::Segment& s = kernel.segments[index];
+        const float u = dx * dx + dy * dy + dz * dz, v = u + offset;
+        const auto [s, t] = kernel_.place(u);
         const float k0 = s.c0 + t * (s.c1 + t * (s.c2 + t * s.c3));
         const double c1 = std::abs(s.c1), c2 = std::abs(s.c2), c3 = std::abs(s.c3);
         const double terms = std::abs(s.c0) + t * (c1 + t * (c2 + t * c3));
