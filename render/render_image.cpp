@@ -11,8 +11,9 @@
 #include <optional>
 
 #include "common/base/parallel.h"
+#include "common/exitance/exit_factor.h"
+#include "common/exitance/exitance_field.h"
 #include "render/film.h"
-#include "render/gather_exitance.h"
 #include "render/shade.h"
 #include "render/single_scatter.h"
 

@@ -7,9 +7,9 @@
 #include "common/base/progress.h"
 #include "common/base/stats.h"
 #include "common/cloud/cache_io.h"
+#include "common/exitance/exitance_field.h"
 #include "common/image/image.h"
 #include "common/scene/scene_geometry.h"
-#include "render/gather_exitance.h"
 #include "render/primary_hits.h"
 
 namespace tallow {

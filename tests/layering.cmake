@@ -8,9 +8,11 @@ set(rules
   "common/optics=common/base|common/optics"
   "common/geometry=common/base|common/geometry"
   "common/image=common/base|common/image"
-  "common/scene=common/base|common/optics|common/geometry|common/scene"
+  "common/scene=common/base|common/optics|common/geometry|common/image|common/scene"
   "common/cloud=common/base|common/optics|common/geometry|common/image|common/scene|common/cloud"
   "common/nbody=common/base|common/optics|common/cloud|common/nbody"
+  "common/exitance=common/base|common/optics|common/scene|common/cloud|common/nbody|common/exitance"
+  "common/lighting=common/base|common/optics|common/geometry|common/scene|common/exitance|common/lighting"
   "precompute=common|precompute"
   "render=common|render"
   "material=common|precompute|render|material")

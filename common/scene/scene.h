@@ -3,17 +3,20 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "common/base/rgb.h"
 #include "common/geometry/mesh_repair.h"
+#include "common/geometry/ray_scene.h"
 #include "common/geometry/surface.h"
 #include "common/optics/medium.h"
 #include "common/optics/profile.h"
 #include "common/scene/camera.h"
 #include "common/scene/light.h"
+#include "common/scene/texture.h"
 
 namespace tallow {
 
@@ -38,16 +41,19 @@ struct SubsurfaceMaterial {
     Exit exit = Exit::normalized;
     Switch single_scattering = Switch::automatic;
     Connection connection = Connection::straight;
+    /// Tints light on its way in and on its way out with its square root each, so that a constant
+    /// one scales the total reflectance.
+    SurfaceColor albedo{Rgb(1)};
 };
 
 /// Lambertian reflection.
 struct DiffuseMaterial {
-    Rgb reflectance;
+    SurfaceColor reflectance;
 };
 
 /// Lambertian base under a smooth dielectric coat.
 struct PlasticMaterial {
-    Rgb reflectance;  ///< of the base alone, as if uncoated
+    SurfaceColor reflectance;  ///< of the base alone, as if uncoated
     float eta;
 };
 
@@ -97,6 +103,9 @@ struct Settings {
     float tolerance = 0.01f;  // relRMSE the user accepts
     int samples = 16;         // camera rays a pixel
     int light_samples = 16;   // shadow rays a light and receiver
+    /// Times that light may be reflected, by whatever surface, before it reaches a sample; without
+    /// it 2 where the scene has anything to bounce off.
+    std::optional<int> bounces;
 };
 
 /// Everything a scene file says, validated: indices in range, numbers finite and in their domain,
@@ -115,6 +124,9 @@ struct Scene {
     Settings settings;
     float mm_per_unit = 1;  // of the scene's `unit`, applied to mesh files as well
 };
+
+/// Where a hit lies in the textures of its object.
+TexturePoint texture_point(const Scene& scene, const Hit& hit);
 
 /// The subsurface material of an object, or null for an opaque one.
 inline const SubsurfaceMaterial* subsurface(const Scene& scene, std::size_t object) {

@@ -9,7 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/parallel.h"
 #include "common/optics/dipole.h"
-#include "render/gather_exitance.h"
+#include "common/exitance/exitance_field.h"
 
 namespace tallow {
 namespace {

@@ -10,7 +10,7 @@
 #include "common/base/stats.h"
 #include "common/optics/profile.h"
 #include "common/scene/scene.h"
-#include "render/lit_samples.h"
+#include "common/exitance/lit_samples.h"
 
 namespace tallow {
 

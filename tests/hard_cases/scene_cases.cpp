@@ -8,7 +8,7 @@
 #include "common/cloud/cache_io.h"
 #include "common/image/image.h"
 #include "precompute/precompute.h"
-#include "render/gather_exitance.h"
+#include "common/exitance/exitance_field.h"
 #include "render/render_image.h"
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/support/scene_text.h"

@@ -9,8 +9,8 @@
 #include "common/optics/dipole.h"
 #include "precompute/build_octree.h"
 #include "precompute/sample_surface.h"
-#include "render/gather_exitance.h"
-#include "render/lit_samples.h"
+#include "common/exitance/exitance_field.h"
+#include "common/exitance/lit_samples.h"
 #include "tests/support/scenes.h"
 
 namespace tallow {

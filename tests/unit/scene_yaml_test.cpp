@@ -67,7 +67,7 @@ TEST(SceneYaml, ReadsMaterials) {
     EXPECT_EQ(forward.medium.sigma_s_prime, Rgb(2.5f));
     EXPECT_EQ(forward.medium.sigma_a, Rgb(0.5f));
     EXPECT_EQ(forward.medium.g, 0.75f);
-    EXPECT_EQ(material_of<DiffuseMaterial>(scene, 3).reflectance, Rgb(0.5f, 0.25f, 0));
+    EXPECT_EQ(material_of<DiffuseMaterial>(scene, 3).reflectance.value, Rgb(0.5f, 0.25f, 0));
     EXPECT_EQ(material_of<PlasticMaterial>(scene, 4).eta, 1.5f);
     EXPECT_EQ(material_of<PlasticMaterial>(scene, 5).eta, 1.75f);
     EXPECT_EQ(material_of<MirrorMaterial>(scene, 6).reflectance, Rgb(1));
@@ -187,7 +187,7 @@ TEST(SceneYaml, ReadsJsonAndAliasesAndSigns) {
     const Scene aliased = scene_of(kCamera +
                                    "materials:\n  a: &grey {type: diffuse, reflectance: +0.5}\n"
                                    "  b: *grey\n");
-    EXPECT_EQ(material_of<DiffuseMaterial>(aliased, 1).reflectance, Rgb(0.5f));
+    EXPECT_EQ(material_of<DiffuseMaterial>(aliased, 1).reflectance.value, Rgb(0.5f));
 }
 
 Affine transform_of(const std::string& steps) {
@@ -247,8 +247,8 @@ TEST(SceneOverride, ChangesOneUserOfAnAlias) {
                                      "materials:\n  a: &m {type: diffuse, reflectance: 0.5}\n"
                                      "  b: *m\n",
                                  {"materials.b.reflectance=1"});
-    EXPECT_EQ(material_of<DiffuseMaterial>(scene, 0).reflectance, Rgb(0.5f));
-    EXPECT_EQ(material_of<DiffuseMaterial>(scene, 1).reflectance, Rgb(1));
+    EXPECT_EQ(material_of<DiffuseMaterial>(scene, 0).reflectance.value, Rgb(0.5f));
+    EXPECT_EQ(material_of<DiffuseMaterial>(scene, 1).reflectance.value, Rgb(1));
 }
 
 }  // namespace

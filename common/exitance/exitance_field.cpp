@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/gather_exitance.h"
+#include "common/exitance/exitance_field.h"
 
 #include <algorithm>
 

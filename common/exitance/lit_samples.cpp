@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/lit_samples.h"
+#include "common/exitance/lit_samples.h"
 
 #include <cstdint>
 

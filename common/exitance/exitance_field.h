@@ -6,9 +6,9 @@
 #include <memory>
 #include <span>
 
+#include "common/exitance/lit_samples.h"
 #include "common/nbody/point_sum.h"
 #include "common/nbody/solid_angle_sum.h"
-#include "render/lit_samples.h"
 
 namespace tallow {
 
