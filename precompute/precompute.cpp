@@ -13,7 +13,7 @@
 #include "common/cloud/scene_fingerprint.h"
 #include "common/geometry/ray_scene.h"
 #include "precompute/build_octree.h"
-#include "precompute/gather_irradiance.h"
+#include "precompute/gather_indirect.h"
 #include "precompute/sample_surface.h"
 
 namespace tallow {
@@ -23,23 +23,6 @@ namespace {
 // direction of each group, tree. Measured on the bunny with two groups, as the growth of the peak
 // from 663k to 2.65M samples: 106 bytes.
 constexpr double kBytesPerSample = 150;
-
-/// What is computed for one body; owns what its BodyView points to.
-struct SampledBody {
-    std::uint32_t object;
-    float spacing;
-    double area;
-    SurfaceSamples samples;
-    std::vector<GroupIrradiance> groups;
-    std::vector<OctreeNode> nodes;
-
-    BodyView view() const {
-        BodyView view{object,         spacing,      area,  samples.position,
-                      samples.normal, samples.area, nodes, {}};
-        for (const GroupIrradiance& group : groups) view.groups.push_back({group.E_t, group.w_i});
-        return view;
-    }
-};
 
 float surface_extent(const Surface& surface) {
     if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
@@ -67,6 +50,8 @@ void require_memory(const std::string& where, double samples, float spacing) {
         where, spacing, samples, needed / (1 << 30), available / (1 << 30)));
 }
 
+constexpr int kIndirectRays = 16;
+
 /// Takes one body after the other through the stages of pass one.
 class BodySampler {
 public:
@@ -82,7 +67,7 @@ public:
     SampledBody sample(std::uint32_t object) {
         const Surface& surface = geometry_.surfaces[object];
         const Medium& medium = subsurface(scene_, object)->medium;
-        SampledBody body{object, 0, surface_area(surface), {}, {}, {}};
+        SampledBody body{object, 0, surface_area(surface), {}, {}, {}, {}};
         body.spacing = options_.spacing.value_or(
             automatic_spacing(medium, scene_.settings.tolerance, surface_extent(surface)));
         sample_points(surface, body);
@@ -105,7 +90,7 @@ private:
     void gather_light(const Medium& medium, SampledBody& body) {
         const PhaseTimer timer(stats_, "irradiance");
         progress_.begin("irradiance", body.samples.size(), "samples");
-        body.groups = gather_irradiance(scene_, rays_, body.samples, medium.eta, progress_);
+        body.direct = gather_irradiance(scene_, rays_, body.samples, medium.eta, progress_);
         progress_.end();
     }
 
@@ -162,6 +147,13 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
     std::vector<SampledBody> bodies;
     for (std::uint32_t object = 0; object < scene.objects.size(); ++object)
         if (subsurface(scene, object) != nullptr) bodies.push_back(sampler.sample(object));
+
+    if (const int bounces = indirect_bounces(scene); bounces > 0 && !scene.lights.empty()) {
+        const PhaseTimer timer(stats, "indirect");
+        gather_indirect(scene, rays, bodies,
+                        {bounces, kIndirectRays, std::max(scene.settings.tolerance, 1e-3f)},
+                        progress);
+    }
 
     PhaseTimer write_timer(stats, "write");
     const CacheView cache = make_cache(scene, geometry, bodies);

@@ -34,6 +34,12 @@ constexpr std::size_t kRaysPerBand = 1 << 18;
 constexpr int kMarchStepsPerPixel = 64, kLeastMarchSteps = 4;
 constexpr int kShadowRaysPerPixel = 64, kLeastShadowRays = 1;
 
+// Paths of indirect light from opaque surfaces, likewise.
+constexpr int kPathsPerPixel = 64, kLeastPaths = 1;
+
+// How many of `per_pixel` things each of a pixel's camera rays gets.
+int share_of(int per_pixel, int least, int samples) { return std::max(least, per_pixel / samples); }
+
 /// A translucent body ready to be shaded.
 struct Body {
     const SubsurfaceMaterial* material;
@@ -53,8 +59,10 @@ struct View {
     const SceneGeometry& geometry;
     const RayScene& rays;
     const std::vector<std::optional<Body>>& bodies;  // [object]
-    const std::vector<Rgb>& albedos;                 // [material]
+    const ReflectedLight& reflected;
+    const std::vector<Rgb>& albedos;  // [material]
     const Camera& camera;
+    bool indirect;  // whether surfaces reflect light that was reflected before
 };
 
 /// The pixels of a tile, filled pass by pass, and what the camera rays of the pass have met.
@@ -101,7 +109,7 @@ public:
 
     void add_single_scattering() {
         const int steps =
-            std::max(kLeastMarchSteps, kMarchStepsPerPixel / view_.scene.settings.samples);
+            share_of(kMarchStepsPerPixel, kLeastMarchSteps, view_.scene.settings.samples);
         for (const ShadingPoint& point : hits_.points) {
             const auto& body = view_.bodies[point.hit.object];
             if (!body || body->material->single_scattering == Switch::off) continue;
@@ -114,11 +122,28 @@ public:
 
     void add_reflected_light() {
         const int light_samples =
-            std::max(kLeastShadowRays, kShadowRaysPerPixel / view_.scene.settings.samples);
+            share_of(kShadowRaysPerPixel, kLeastShadowRays, view_.scene.settings.samples);
         for (const ShadingPoint& point : hits_.points)
             if (!view_.bodies[point.hit.object])
-                add(point, &Pixel::diffuse,
-                    reflect_direct_light(view_.scene, view_.rays, point, light_samples));
+                add(point, &Pixel::diffuse, view_.reflected.direct(point, light_samples));
+    }
+
+    /// Follows paths from opaque surfaces; what they meet of bodies waits for its exitance.
+    void add_indirect_light() {
+        const int paths = share_of(kPathsPerPixel, kLeastPaths, view_.scene.settings.samples);
+        vertices_.clear();
+        for (std::size_t i = 0; i < hits_.points.size(); ++i)
+            add(hits_.points[i], &Pixel::diffuse,
+                view_.reflected.indirect(hits_.points[i], paths, std::uint32_t(i), vertices_));
+    }
+    const std::vector<BodyVertex>& vertices() const { return vertices_; }
+
+    /// Adds what this tile's vertices on a body send; their exitance starts at `next`.
+    void add_light_of_body(std::uint32_t object, const Exitance& exitance, std::size_t next) {
+        for (const BodyVertex& vertex : vertices_)
+            if (vertex.object == object)
+                add(hits_.points[vertex.receiver], &Pixel::diffuse,
+                    vertex.factor * exitance.M[next++]);
     }
 
     const Tile& tile() const { return tile_; }
@@ -154,6 +179,7 @@ private:
     Tile tile_;
     std::vector<Pixel> pixels_;
     PrimaryHits hits_;
+    std::vector<BodyVertex> vertices_;
 };
 
 /// Tiles that are rendered together, one term of the shading sum after the other: exitance is
@@ -184,12 +210,32 @@ private:
         timer.stop();
         for_tiles("single", [](TileRenderer& tile) { tile.add_single_scattering(); });
         for_tiles("surface", [](TileRenderer& tile) { tile.add_reflected_light(); });
+        if (!view_.indirect) return;
+        for_tiles("indirect", [](TileRenderer& tile) { tile.add_indirect_light(); });
+        const PhaseTimer indirect_timer(stats_, "indirect");
+        for (std::uint32_t object = 0; object < view_.bodies.size(); ++object)
+            if (view_.bodies[object]) add_light_of_body(object);
     }
 
     template <class Work>
     void for_tiles(const char* phase, const Work& work) {
         const PhaseTimer timer(stats_, phase);
         parallel_for(tiles_.size(), 1, [&](std::size_t i) { work(tiles_[i]); });
+    }
+
+    void add_light_of_body(std::uint32_t object) {
+        std::vector<ExitancePoint> points;
+        std::vector<std::size_t> first;  // [tile] of its points
+        for (const TileRenderer& tile : tiles_) {
+            first.push_back(points.size());
+            for (const BodyVertex& vertex : tile.vertices())
+                if (vertex.object == object)
+                    points.push_back({vertex.position, vertex.n, vertex.w_o});
+        }
+        const Exitance exitance = view_.bodies[object]->exitance.gather(points);
+        parallel_for(tiles_.size(), 1, [&](std::size_t i) {
+            tiles_[i].add_light_of_body(object, exitance, first[i]);
+        });
     }
 
     void add_multiple_scattering(std::uint32_t object) {
@@ -244,7 +290,8 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
     std::int64_t samples = 0, lit = 0;
     for (const BodyView& view : cache.bodies) {
         const SubsurfaceMaterial* material = subsurface(scene, view.object);
-        const LitSamples lit_samples = light_samples(view, scene.groups);
+        const LitSamples lit_samples = light_samples(
+            view, scene.groups, indirect_bounces(scene) > 0 ? indirect_gain(*material) : Rgb(0));
         samples += std::int64_t(view.positions.size());
         lit += std::int64_t(lit_samples.position.size());
         bodies[view.object].emplace(Body{
@@ -262,6 +309,12 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
     stats.counts["samples"] = samples;
     stats.counts["lit_samples"] = lit;
     return bodies;
+}
+
+bool has_opaque_surface(const Scene& scene) {
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (subsurface(scene, i) == nullptr) return true;
+    return false;
 }
 
 void report(const Counts& counts, const ExitanceAccuracy& accuracy, Stats& stats,
@@ -296,7 +349,10 @@ Image render_image(const Scene& scene, const SceneGeometry& geometry, const Cach
     for (const Material& material : scene.materials) albedos.push_back(albedo(material));
 
     const Tile& crop = options.crop;
-    const View view{scene, geometry, rays, bodies, albedos, camera};
+    const ReflectedLight reflected(scene, rays, indirect_bounces(scene));
+    const View view{
+        scene,     geometry, rays,   bodies,
+        reflected, albedos,  camera, indirect_bounces(scene) > 0 && has_opaque_surface(scene)};
     std::vector<Pixel> pixels(crop.pixels());
     Counts counts;
     progress.begin("render", crop.pixels(), "pixels");

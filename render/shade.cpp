@@ -2,42 +2,71 @@
 // Terms of the shading sum that need no look inside a body.
 #include "render/shade.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/base/overloaded.h"
-#include "common/lighting/direct_light.h"
+#include "common/base/rng.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
-namespace {
 
-Rgb direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
-                 int light_samples, Acceptance accept) {
-    const Receiver receiver{point.hit.position, point.hit.n_g, point.hit.n, point.seed};
-    std::vector<Rgb> E(scene.groups.size());
-    add_direct_light(scene, rays, receiver, light_samples, accept, E);
-    return scaled_sum(scene.groups, E);
+ReflectedLight::ReflectedLight(const Scene& scene, const RayScene& rays, int bounces)
+    : scene_(scene), rays_(rays), bounces_(bounces), paths_(scene, rays, bounces) {
+    for (const Material& material : scene.materials) {
+        const auto* plastic = std::get_if<PlasticMaterial>(&material.kind);
+        F_dr_.push_back(plastic ? float(diffuse_fresnel_reflectance(plastic->eta)) : 0.0f);
+    }
 }
 
-}  // namespace
-
-Rgb reflect_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
-                         int light_samples) {
-    const Material& material = scene.materials[scene.objects[point.hit.object].material];
-    const TexturePoint where = texture_point(scene, point.hit);
-    if (const auto* diffuse = std::get_if<DiffuseMaterial>(&material.kind)) {
-        return kInvPi * diffuse->reflectance.at(where) *
-               direct_light(scene, rays, point, light_samples, {});
-    }
+ReflectedLight::Base ReflectedLight::base_at(const ShadingPoint& point) const {
+    const std::uint32_t index = scene_.objects[point.hit.object].material;
+    const Material& material = scene_.materials[index];
+    if (const auto* diffuse = std::get_if<DiffuseMaterial>(&material.kind))
+        return {diffuse->reflectance.at(texture_point(scene_, point.hit)), {}};
     if (const auto* plastic = std::get_if<PlasticMaterial>(&material.kind)) {
         const float eta = plastic->eta;
-        const Rgb E_t = direct_light(scene, rays, point, light_samples, {eta});
-        const float F_dr = float(diffuse_fresnel_reflectance(eta));
         const float leaving =
             fresnel_transmittance(eta, glm::dot(point.hit.n, point.w_o)) / (eta * eta);
-        const Rgb reflectance = plastic->reflectance.at(where);
-        const Rgb base = reflectance / (Rgb(1) - F_dr * reflectance);
-        return kInvPi * leaving * base * E_t;
+        const Rgb rho = plastic->reflectance.at(texture_point(scene_, point.hit));
+        return {leaving * rho / (Rgb(1) - F_dr_[index] * rho), {eta}};
     }
-    return {};
+    return {Rgb(0), {}};
+}
+
+Rgb ReflectedLight::direct(const ShadingPoint& point, int light_samples) const {
+    const Base base = base_at(point);
+    if (max_channel(base.factor) == 0) return {};
+    std::vector<Rgb> E(scene_.groups.size());
+    add_direct_light(scene_, rays_, {point.hit.position, point.hit.n_g, point.hit.n, point.seed},
+                     light_samples, base.accept, E);
+    return kInvPi * base.factor * scaled_sum(scene_.groups, E);
+}
+
+Rgb ReflectedLight::indirect(const ShadingPoint& point, int paths, std::uint32_t receiver,
+                             std::vector<BodyVertex>& vertices) const {
+    const Base base = base_at(point);
+    if (bounces_ == 0 || max_channel(base.factor) == 0) return {};
+    const Frame frame = make_frame(point.hit.n);
+    std::vector<Rgb> L(scene_.groups.size());
+    Rgb sum;
+    for (int k = 0; k < paths; ++k) {
+        const Vec2 u = sobol_2d(std::uint32_t(k), mix_bits(point.seed ^ 0x5851f42d4c957f2dull));
+        const float phi = kTwoPi * u.y, sine = std::sqrt(u.x), cosine = std::sqrt(1 - u.x);
+        const Vec3 w =
+            glm::normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
+        if (glm::dot(w, point.hit.n_g) <= 0) continue;
+        // The cosine and the density of directions leave a pi, which the surface's 1 / pi takes.
+        const Rgb weight = base.accept(std::min(1.0f, cosine)) / float(paths) * base.factor;
+        const std::size_t first = vertices.size();
+        std::fill(L.begin(), L.end(), Rgb(0));
+        paths_.follow({rays_.offset_origin(point.hit.position, point.hit.n_g, w), w}, receiver,
+                      mix_bits(point.seed + std::uint64_t(k) + 0x9e3779b97f4a7c15ull),
+                      LightPaths::Collect::everything, L, vertices);
+        for (std::size_t v = first; v < vertices.size(); ++v) vertices[v].factor *= weight;
+        sum += weight * scaled_sum(scene_.groups, L);
+    }
+    return sum;
 }
 
 Rgb albedo(const Material& material) {

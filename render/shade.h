@@ -1,20 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/geometry/ray_scene.h"
-#include "common/scene/scene.h"
+#include <vector>
+
+#include "common/lighting/direct_light.h"
+#include "common/lighting/light_paths.h"
 #include "render/primary_hits.h"
 
 namespace tallow {
 
-/// Direct light on a diffuse or plastic surface, reflected towards point.w_o; zero for mirrors.
+/// Light that diffuse surfaces and plastics reflect towards where they are seen from; mirrors and
+/// bodies reflect none of it.
 ///
 ///     diffuse   L = rho / pi * E
 ///     plastic   L = rho / (1 - rho F_dr) * E_t / (pi eta^2) * F_t(eta, cos_o)
-///
-/// Each area light gets `light_samples` shadow rays.
-Rgb reflect_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
-                         int light_samples);
+class ReflectedLight {
+public:
+    /// Light may be reflected `bounces` times before it reaches the surface that is seen.
+    ReflectedLight(const Scene& scene, const RayScene& rays, int bounces);
+
+    /// Of light that comes straight from the lights; each area light gets `light_samples` rays.
+    Rgb direct(const ShadingPoint& point, int light_samples) const;
+
+    /// Of light that was reflected before, found along `paths` paths. What they met of bodies is
+    /// appended to `vertices` under the number `receiver`, with factors that make of an exitance
+    /// the radiance seen.
+    Rgb indirect(const ShadingPoint& point, int paths, std::uint32_t receiver,
+                 std::vector<BodyVertex>& vertices) const;
+
+private:
+    /// L = factor / pi * integral of accept(cos) L_i cos dw.
+    struct Base {
+        Rgb factor;
+        Acceptance accept;
+    };
+    Base base_at(const ShadingPoint& point) const;
+
+    const Scene& scene_;
+    const RayScene& rays_;
+    int bounces_;
+    LightPaths paths_;
+    std::vector<float> F_dr_;  // [material] of plastics, else 0
+};
 
 /// Colour of a material for the albedo layer: the share of light that it gives back.
 Rgb albedo(const Material& material);

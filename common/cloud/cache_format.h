@@ -16,7 +16,7 @@
 namespace tallow {
 
 inline constexpr char kCacheMagic[8] = {'T', 'A', 'L', 'L', 'O', 'W', '\r', '\n'};
-inline constexpr std::uint32_t kCacheVersion = 1;
+inline constexpr std::uint32_t kCacheVersion = 2;
 inline constexpr std::uint32_t kByteOrderMark = 0x01020304;
 inline constexpr std::uint64_t kSectionAlignment = 64;
 
@@ -32,15 +32,17 @@ struct FileHeader {
 static_assert(sizeof(FileHeader) == 40);
 
 enum class SectionKind : std::uint32_t {
-    fingerprint = 1,        // text, see Fingerprint
-    groups = 2,             // text, one light group's name a line
-    body = 3,               // BodyRecord
-    positions = 4,          // Vec3[sample], mm
-    normals = 5,            // Vec3[sample], unit, outward
-    areas = 6,              // float[sample], mm^2
-    nodes = 7,              // OctreeNode[node]
-    irradiance_direct = 8,  // Rgb[sample], of one group
-    directions_direct = 9,  // Vec3[sample], of one group
+    fingerprint = 1,           // text, see Fingerprint
+    groups = 2,                // text, one light group's name a line
+    body = 3,                  // BodyRecord
+    positions = 4,             // Vec3[sample], mm
+    normals = 5,               // Vec3[sample], unit, outward
+    areas = 6,                 // float[sample], mm^2
+    nodes = 7,                 // OctreeNode[node]
+    irradiance_direct = 8,     // Rgb[sample], of one group
+    directions_direct = 9,     // Vec3[sample], of one group
+    irradiance_indirect = 10,  // Rgb[sample], of one group; light that was reflected before
+    directions_indirect = 11,  // Vec3[sample], of one group
 };
 
 struct SectionEntry {
@@ -66,7 +68,9 @@ static_assert(sizeof(BodyRecord) == 24);
 
 /// Everything the cache's content depends on, as readable pairs in a fixed order, for example
 /// {"objects[0].mesh", "xxh3:9f86d081884c7d65"}, {"objects[0].eta", "1.5"}. Keys hold no '=' and
-/// no line break. Compared pair by pair, so that a mismatch can name both values.
+/// no line break. Compared pair by pair, so that a mismatch can name both values. Keys that start
+/// with "indirect." name what only indirect light depends on, with "sampling." how the samples were
+/// taken.
 using Fingerprint = std::vector<std::pair<std::string, std::string>>;
 
 }  // namespace tallow

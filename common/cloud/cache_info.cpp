@@ -58,12 +58,17 @@ void describe_body(Text out, const BodyView& body, const std::vector<std::string
         const DVec3 mean = mean_irradiance(body.groups[group].E_t, body.areas);
         fmt::format_to(out, "  mean E_t    {:.6g} {:.6g} {:.6g} W/mm^2 of group '{}'\n", mean.x,
                        mean.y, mean.z, groups[group]);
+        if (body.indirect.empty()) continue;
+        const DVec3 more = mean_irradiance(body.indirect[group].E_t, body.areas);
+        fmt::format_to(out, "  indirect    {:.6g} {:.6g} {:.6g} W/mm^2 of group '{}'\n", more.x,
+                       more.y, more.z, groups[group]);
     }
 }
 
 Rgb total_irradiance(const BodyView& body, std::size_t sample) {
     Rgb total;
     for (const GroupIrradianceView& group : body.groups) total += group.E_t[sample];
+    for (const GroupIrradianceView& group : body.indirect) total += group.E_t[sample];
     return total;
 }
 

@@ -17,9 +17,9 @@ std::string describe_cache(const MappedCache& cache);
 ///
 ///     float x y z, nx ny nz      mm, 1
 ///     float area                 mm^2
-///     float irradiance_r/g/b     W/mm^2, E_t summed over the light groups, group scales not
-///     applied uchar red green blue       the same divided by its 99th percentile, sRGB int   body
-///     index in the cache
+///     float irradiance_r/g/b     W/mm^2, E_t summed over the light groups, direct and indirect,
+///     group scales not applied uchar red green blue       the same divided by its 99th percentile,
+///     sRGB int   body index in the cache
 ///
 /// Throws OutputError.
 void export_ply(const std::filesystem::path& file, const CacheView& cache);

@@ -98,14 +98,19 @@ void add_body(CacheWriter& writer, std::uint32_t index, const BodyView& body,
     writer.add(SectionKind::normals, index, 0, body.normals);
     writer.add(SectionKind::areas, index, 0, body.areas);
     writer.add(SectionKind::nodes, index, 0, body.nodes);
-    for (std::uint32_t group = 0; group < body.groups.size(); ++group) {
-        const GroupIrradianceView& light = body.groups[group];
-        TALLOW_CHECK(light.E_t.size() == samples && light.w_i.size() == samples,
-                     "{} samples, {} irradiances, {} directions", samples, light.E_t.size(),
-                     light.w_i.size());
-        writer.add(SectionKind::irradiance_direct, index, group, light.E_t);
-        writer.add(SectionKind::directions_direct, index, group, light.w_i);
-    }
+    const auto add_light = [&](const std::vector<GroupIrradianceView>& groups,
+                               SectionKind irradiance, SectionKind directions) {
+        for (std::uint32_t group = 0; group < groups.size(); ++group) {
+            const GroupIrradianceView& light = groups[group];
+            TALLOW_CHECK(light.E_t.size() == samples && light.w_i.size() == samples,
+                         "{} samples, {} irradiances, {} directions", samples, light.E_t.size(),
+                         light.w_i.size());
+            writer.add(irradiance, index, group, light.E_t);
+            writer.add(directions, index, group, light.w_i);
+        }
+    };
+    add_light(body.groups, SectionKind::irradiance_direct, SectionKind::directions_direct);
+    add_light(body.indirect, SectionKind::irradiance_indirect, SectionKind::directions_indirect);
 }
 
 /// A body as the table describes it; its sections have the lengths that its counts ask for.
@@ -116,7 +121,7 @@ BodyView read_body(const SectionTable& table, std::uint32_t index, std::size_t g
                                       std::span<const T>& items) {
         items = table.array<T>(table.find(kind, index, group), count);
     };
-    BodyView body{record.object, record.spacing_mm, record.area_mm2, {}, {}, {}, {}, {}};
+    BodyView body{record.object, record.spacing_mm, record.area_mm2, {}, {}, {}, {}, {}, {}};
     section(SectionKind::positions, record.sample_count, 0, body.positions);
     section(SectionKind::normals, record.sample_count, 0, body.normals);
     section(SectionKind::areas, record.sample_count, 0, body.areas);
@@ -125,6 +130,12 @@ BodyView read_body(const SectionTable& table, std::uint32_t index, std::size_t g
         GroupIrradianceView& light = body.groups.emplace_back();
         section(SectionKind::irradiance_direct, record.sample_count, group, light.E_t);
         section(SectionKind::directions_direct, record.sample_count, group, light.w_i);
+    }
+    if (table.count(SectionKind::irradiance_indirect) == 0) return body;
+    for (std::uint32_t group = 0; group < groups; ++group) {
+        GroupIrradianceView& light = body.indirect.emplace_back();
+        section(SectionKind::irradiance_indirect, record.sample_count, group, light.E_t);
+        section(SectionKind::directions_indirect, record.sample_count, group, light.w_i);
     }
     return body;
 }
@@ -170,6 +181,11 @@ void write_cache(const std::filesystem::path& file, const CacheView& cache) {
     for (std::uint32_t i = 0; i < cache.bodies.size(); ++i) {
         TALLOW_CHECK(cache.bodies[i].groups.size() == cache.groups.size(), "{} groups, {} names",
                      cache.bodies[i].groups.size(), cache.groups.size());
+        TALLOW_CHECK(cache.bodies[i].indirect.size() == cache.bodies[0].indirect.size() &&
+                         (cache.bodies[i].indirect.empty() ||
+                          cache.bodies[i].indirect.size() == cache.groups.size()),
+                     "{} groups of indirect light, {} names", cache.bodies[i].indirect.size(),
+                     cache.groups.size());
         add_body(writer, i, cache.bodies[i], records[i]);
     }
     OutputFile output(file);

@@ -18,11 +18,12 @@ struct BodyView {
     std::uint32_t object;
     float spacing_mm;
     double area_mm2;
-    std::span<const Vec3> positions;          // [sample] mm
-    std::span<const Vec3> normals;            // [sample]
-    std::span<const float> areas;             // [sample] mm^2
-    std::span<const OctreeNode> nodes;        // depth first; empty only if there are no samples
-    std::vector<GroupIrradianceView> groups;  // [group]
+    std::span<const Vec3> positions;            // [sample] mm
+    std::span<const Vec3> normals;              // [sample]
+    std::span<const float> areas;               // [sample] mm^2
+    std::span<const OctreeNode> nodes;          // depth first; empty only if there are no samples
+    std::vector<GroupIrradianceView> groups;    // [group] light that came straight
+    std::vector<GroupIrradianceView> indirect;  // [group] light that was reflected; or empty
 };
 
 struct CacheView {
@@ -57,7 +58,8 @@ private:
 /// Throws InputError naming the first differing pair of what the cache was made from and what the
 /// scene needs now: "x.tallow: made from objects[0].mesh = xxh3:..., but the scene has xxh3:...;
 /// re-run tallow-precompute". Pairs whose key starts with "sampling." say how the cache was made
-/// and are not compared.
+/// and are not compared. Nor are those that start with "indirect." if the scene's say that it wants
+/// no indirect light: then what the cache has of it is left out.
 void require_fingerprint(const std::filesystem::path& cache_file, const Fingerprint& cache,
                          const Fingerprint& scene);
 

@@ -99,14 +99,19 @@ void check_samples(const SectionTable& table, std::uint32_t index, const BodyVie
 }
 
 void check_irradiance(const SectionTable& table, std::uint32_t index, const BodyView& body) {
-    for (std::uint32_t group = 0; group < body.groups.size(); ++group) {
-        require_all(table, table.find(SectionKind::irradiance_direct, index, group),
-                    body.groups[group].E_t, is_radiometric, "finite numbers >= 0", [](Rgb c) {
-                        return describe({c.r, c.g, c.b});
-                    });
-        require_all(table, table.find(SectionKind::directions_direct, index, group),
-                    body.groups[group].w_i, is_at_most_unit, "a vector of length <= 1", describe);
-    }
+    const auto check = [&](const std::vector<GroupIrradianceView>& groups, SectionKind irradiance,
+                           SectionKind directions) {
+        for (std::uint32_t group = 0; group < groups.size(); ++group) {
+            require_all(table, table.find(irradiance, index, group), groups[group].E_t,
+                        is_radiometric, "finite numbers >= 0", [](Rgb c) {
+                            return describe({c.r, c.g, c.b});
+                        });
+            require_all(table, table.find(directions, index, group), groups[group].w_i,
+                        is_at_most_unit, "a vector of length <= 1", describe);
+        }
+    };
+    check(body.groups, SectionKind::irradiance_direct, SectionKind::directions_direct);
+    check(body.indirect, SectionKind::irradiance_indirect, SectionKind::directions_indirect);
 }
 
 /// Walks a tree in the order in which it is stored, with the chain of parents of the node at hand

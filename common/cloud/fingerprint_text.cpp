@@ -22,7 +22,10 @@ const std::string* find_value(const Fingerprint& fingerprint, const std::string&
     return found == fingerprint.end() ? nullptr : &found->second;
 }
 
-bool is_compared(const std::string& key) { return !key.starts_with("sampling."); }
+bool wants_indirect_light(const Fingerprint& scene) {
+    const std::string* bounces = find_value(scene, "indirect.bounces");
+    return bounces != nullptr && *bounces != "0";
+}
 
 /// At most kLongestShown characters of `value`, such that the one at `difference` is among them.
 std::string shorten(const std::string& value, std::size_t difference) {
@@ -44,10 +47,12 @@ std::string shorten(const std::string& value, std::size_t difference) {
     const auto shown = [&](const std::string* value) {
         return value ? shorten(*value, difference) : std::string("nothing");
     };
-    throw InputError(
-        fmt::format("{}: made from {} = {}, but the scene has {}; re-run "
-                    "tallow-precompute",
-                    file.string(), key, shown(made_from), shown(needed)));
+    const bool indirect = key.starts_with("indirect.");
+    throw InputError(fmt::format(
+        "{}: {}made from {} = {}, but the scene has {}; re-run tallow-precompute{}", file.string(),
+        indirect ? "indirect light was " : "", key, shown(made_from), shown(needed),
+        indirect ? ", which keeps the direct light, or do without with --set settings.bounces=0"
+                 : ""));
 }
 
 }  // namespace
@@ -95,6 +100,10 @@ std::optional<Fingerprint> decode_fingerprint(std::string_view text) {
 
 void require_fingerprint(const std::filesystem::path& cache_file, const Fingerprint& cache,
                          const Fingerprint& scene) {
+    const bool indirect = wants_indirect_light(scene);
+    const auto is_compared = [indirect](const std::string& key) {
+        return !key.starts_with("sampling.") && (indirect || !key.starts_with("indirect."));
+    };
     for (const auto& [key, value] : cache) {
         if (!is_compared(key)) continue;
         const std::string* needed = find_value(scene, key);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/base/check.h"
 
 namespace tallow {
@@ -146,6 +148,48 @@ void add_light(Fingerprint& fingerprint, const Scene& scene, std::size_t index) 
     pairs.add("group", scene.groups[light.group].name);
 }
 
+void add_reflectance(PairWriter& pairs, const SurfaceColor& color) {
+    pairs.add("reflectance", color.value);
+}
+
+/// What differs from material to material in how it reflects light.
+struct MaterialPairs {
+    PairWriter& pairs;
+
+    void operator()(const SubsurfaceMaterial& body) const {
+        pairs.add("sigma_a", body.medium.sigma_a);
+        pairs.add("sigma_s_prime", body.medium.sigma_s_prime);
+        pairs.add("g", body.medium.g);
+        pairs.add("model", std::string(std::ranges::find(kModels, body.model,
+                                                         &decltype(kModels)::value_type::second)
+                                           ->first));
+        pairs.add("exit", std::string(body.exit == Exit::normalized ? "normalized" : "classic"));
+    }
+    void operator()(const DiffuseMaterial& diffuse) const {
+        pairs.add("type", "diffuse");
+        add_reflectance(pairs, diffuse.reflectance);
+    }
+    void operator()(const PlasticMaterial& plastic) const {
+        pairs.add("type", "plastic");
+        add_reflectance(pairs, plastic.reflectance);
+        pairs.add("eta", plastic.eta);
+    }
+    void operator()(const MirrorMaterial& mirror) const {
+        pairs.add("type", "mirror");
+        pairs.add("reflectance", mirror.reflectance);
+    }
+};
+
+void add_indirect_light(Fingerprint& fingerprint, const Scene& scene) {
+    const int bounces = indirect_bounces(scene);
+    fingerprint.emplace_back("indirect.bounces", fmt::format("{}", bounces));
+    if (bounces == 0) return;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        PairWriter pairs(fingerprint, fmt::format("indirect.objects[{}].", i));
+        std::visit(MaterialPairs{pairs}, scene.materials[scene.objects[i].material].kind);
+    }
+}
+
 }  // namespace
 
 Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry) {
@@ -161,6 +205,7 @@ Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry)
     for (std::size_t i = 0; i < scene.lights.size(); ++i) add_light(fingerprint, scene, i);
     for (std::size_t i = 0; i < scene.groups.size(); ++i)
         fingerprint.emplace_back(fmt::format("groups[{}].name", i), scene.groups[i].name);
+    add_indirect_light(fingerprint, scene);
     fingerprint.emplace_back("sampling.light_samples",
                              fmt::format("{}", scene.settings.light_samples));
     return fingerprint;

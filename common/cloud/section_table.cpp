@@ -42,6 +42,10 @@ const char* kind_name(SectionKind kind) {
             return "irradiance_direct";
         case SectionKind::directions_direct:
             return "directions_direct";
+        case SectionKind::irradiance_indirect:
+            return "irradiance_indirect";
+        case SectionKind::directions_indirect:
+            return "directions_indirect";
     }
     return nullptr;
 }
@@ -50,9 +54,7 @@ bool is_global(SectionKind kind) {
     return kind == SectionKind::fingerprint || kind == SectionKind::groups;
 }
 
-bool has_group(SectionKind kind) {
-    return kind == SectionKind::irradiance_direct || kind == SectionKind::directions_direct;
-}
+bool has_group(SectionKind kind) { return kind >= SectionKind::irradiance_direct; }
 
 auto key(const SectionEntry& entry) { return std::tuple(entry.kind, entry.body, entry.group); }
 

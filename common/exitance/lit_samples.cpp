@@ -41,7 +41,21 @@ private:
 
 }  // namespace
 
-LitSamples light_samples(const BodyView& body, std::span<const LightGroup> groups) {
+Rgb indirect_gain(const SubsurfaceMaterial& material) {
+    if (material.single_scattering == Switch::off) return Rgb(1);
+    Rgb gain;
+    for (int c = 0; c < 3; ++c) {
+        const auto total = [&](Orders orders) {
+            return make_profile(material.model, material.medium, c, orders)->total_reflectance();
+        };
+        const double held = total(Orders::two_and_more);
+        gain[c] = held > 0 ? float(total(Orders::all) / held) : 1.0f;
+    }
+    return gain;
+}
+
+LitSamples light_samples(const BodyView& body, std::span<const LightGroup> groups,
+                         Rgb indirect_gain) {
     const std::size_t n = body.positions.size();
     LitSamples lit;
     std::vector<std::uint32_t> kept_before(n + 1);
@@ -49,10 +63,15 @@ LitSamples light_samples(const BodyView& body, std::span<const LightGroup> group
         kept_before[i] = std::uint32_t(lit.position.size());
         Rgb E_t;
         Vec3 weighted_direction(0);
-        for (std::size_t g = 0; g < groups.size(); ++g) {
-            const Rgb share = groups[g].scale * body.groups[g].E_t[i];
+        const auto add = [&](Rgb share, Vec3 w_i) {
             E_t += share;
-            weighted_direction += mean(share) * body.groups[g].w_i[i];
+            weighted_direction += mean(share) * w_i;
+        };
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            const Rgb scale = groups[g].scale;
+            add(scale * body.groups[g].E_t[i], body.groups[g].w_i[i]);
+            if (!body.indirect.empty())
+                add(indirect_gain * scale * body.indirect[g].E_t[i], body.indirect[g].w_i[i]);
         }
         if (max_channel(E_t) <= 0) continue;
         lit.position.push_back(body.positions[i]);

@@ -19,7 +19,15 @@ struct LitSamples {
     std::vector<OctreeNode> nodes;  // depth first; every node owns at least one sample
 };
 
-/// `groups` are the scene's, in the order of the cache's.
-LitSamples light_samples(const BodyView& body, std::span<const LightGroup> groups);
+/// `groups` are the scene's, in the order of the cache's. Indirect light counts `indirect_gain`
+/// times: 0 leaves it out, see also indirect_gain().
+LitSamples light_samples(const BodyView& body, std::span<const LightGroup> groups,
+                         Rgb indirect_gain = Rgb(1));
+
+/// Factor on indirect light so that no energy is lost where only direct light scatters singly: the
+/// profile's orders >= 2 then stand for all of them.
+///
+///     gain = (total reflectance of all orders) / (that of the orders that the exitance holds)
+Rgb indirect_gain(const SubsurfaceMaterial& material);
 
 }  // namespace tallow

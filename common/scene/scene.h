@@ -104,7 +104,7 @@ struct Settings {
     int samples = 16;         // camera rays a pixel
     int light_samples = 16;   // shadow rays a light and receiver
     /// Times that light may be reflected, by whatever surface, before it reaches a sample; without
-    /// it 2 where the scene has anything to bounce off.
+    /// a number as indirect_bounces() says.
     std::optional<int> bounces;
 };
 
@@ -124,6 +124,10 @@ struct Scene {
     Settings settings;
     float mm_per_unit = 1;  // of the scene's `unit`, applied to mesh files as well
 };
+
+/// Times that light may be reflected before it reaches a sample or an opaque surface: the setting,
+/// or else 2 if anything can reflect light onto something, 0 if the scene is one convex object.
+int indirect_bounces(const Scene& scene);
 
 /// Where a hit lies in the textures of its object.
 TexturePoint texture_point(const Scene& scene, const Hit& hit);

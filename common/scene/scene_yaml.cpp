@@ -13,6 +13,7 @@
 namespace tallow {
 namespace {
 
+constexpr int kMostBounces = 64;      // of light between surfaces
 constexpr int kLargestCount = 65536;  // of pixels along an edge, and of samples
 
 float read_unit(const YamlMap& scene) {
@@ -49,12 +50,14 @@ std::vector<Camera> read_cameras(const YamlNode& section, const LengthReader& le
 Settings read_settings(const YamlNode& section) {
     constexpr Range kTolerance{0, 1, "a number in [0, 1)", false, true};
     const YamlMap map(section, "settings");
-    map.allow_only({"tolerance", "samples", "light_samples"});
+    map.allow_only({"tolerance", "samples", "light_samples", "bounces"});
     Settings settings;
     settings.tolerance = map.number_or("tolerance", kTolerance, settings.tolerance);
     settings.samples = map.integer_or("samples", 1, kLargestCount, settings.samples);
     settings.light_samples =
         map.integer_or("light_samples", 1, kLargestCount, settings.light_samples);
+    if (map.has("bounces") && map.at("bounces").text != "auto")
+        settings.bounces = yaml_integer(map.at("bounces"), "bounces", 0, kMostBounces);
     return settings;
 }
 

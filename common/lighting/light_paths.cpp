@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// Backward paths with next-event estimation. One loop over vertices; what a surface adds and where
+// the path goes on is decided per material.
+#include "common/lighting/light_paths.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/overloaded.h"
+#include "common/base/rng.h"
+#include "common/lighting/direct_light.h"
+#include "common/optics/fresnel.h"
+
+namespace tallow {
+namespace {
+
+// Numbers for the decisions of one vertex.
+enum Stream : std::uint64_t { kRoulette = 1, kLobe, kDirection, kShadow };
+
+// Turns the normals to the side of w_o: opaque surfaces have two sides.
+void face(Hit& hit, Vec3 w_o) {
+    if (glm::dot(hit.n_g, w_o) < 0) hit.n_g = -hit.n_g, hit.n = -hit.n;
+    if (glm::dot(hit.n, w_o) <= 0) hit.n = hit.n_g;
+}
+
+Vec3 mirrored(const Hit& hit, Vec3 w_o) {
+    const Vec3 direction = reflect(w_o, hit.n);
+    return glm::normalize(glm::dot(direction, hit.n_g) > 0 ? direction : reflect(w_o, hit.n_g));
+}
+
+Vec3 cosine_direction(Vec3 n, Vec2 u) {
+    const float phi = kTwoPi * u.y, sine = std::sqrt(u.x);
+    return glm::normalize(
+        make_frame(n).to_world({sine * std::cos(phi), sine * std::sin(phi), std::sqrt(1 - u.x)}));
+}
+
+}  // namespace
+
+/// A path on its way.
+struct LightPaths::Walk {
+    std::uint32_t receiver;
+    std::uint64_t seed;
+    Collect collect;
+    std::span<Rgb> L;
+    std::vector<BodyVertex>& bodies;
+    Rgb throughput{1};
+    int reflections = 0;   // by diffuse surfaces, so far
+    std::vector<Rgb> E{};  // [group] scratch
+
+    float random(Stream stream) const { return to_unit_float(random_bits(seed, stream, 0)); }
+    Vec2 random_2d(Stream stream) const {
+        return {random(stream), to_unit_float(random_bits(seed, stream, 1))};
+    }
+};
+
+LightPaths::LightPaths(const Scene& scene, const RayScene& rays, int bounces)
+    : scene_(scene), rays_(rays), bounces_(bounces) {
+    for (const Material& material : scene.materials) {
+        const auto* body = std::get_if<SubsurfaceMaterial>(&material.kind);
+        factors_.push_back(body ? std::optional(surface_factors(*body)) : std::nullopt);
+        const auto* plastic = std::get_if<PlasticMaterial>(&material.kind);
+        F_dr_.push_back(plastic ? float(diffuse_fresnel_reflectance(plastic->eta)) : 0.0f);
+    }
+}
+
+void LightPaths::follow(Ray ray, std::uint32_t receiver, std::uint64_t seed, Collect collect,
+                        std::span<Rgb> L, std::vector<BodyVertex>& bodies) const {
+    Walk walk{receiver, seed, collect, L, bodies};
+    walk.E.resize(scene_.groups.size());
+    for (int mirrors = 0; mirrors <= kMostMirrors && walk.reflections <= bounces_;) {
+        std::optional<Hit> hit = rays_.intersect(ray);
+        if (!hit) return;
+        walk.seed = mix_bits(walk.seed + 1);
+        const Vec3 w_o = -ray.direction;
+        face(*hit, w_o);
+        const std::optional<Reflection> next = meet(*hit, w_o, walk);
+        if (!next) return;
+        ray = {rays_.offset_origin(hit->position, hit->n_g, next->direction), next->direction};
+        if (next->mirror && meet_light(ray, next->weight, walk)) return;
+        const float survival = std::min(1.0f, max_channel(next->weight));
+        if (!(walk.random(kRoulette) < survival)) return;
+        walk.throughput *= next->weight / survival;
+        ++(next->mirror ? mirrors : walk.reflections);
+    }
+}
+
+// Lights in mirrors hide what is behind them, as they do from the camera.
+bool LightPaths::meet_light(const Ray& ray, Rgb weight, const Walk& walk) const {
+    std::optional<Emission> nearest;
+    std::uint32_t group = 0;
+    for (const Light& light : scene_.lights) {
+        const std::optional<Emission> seen = see_light(light, ray);
+        if (!seen || (nearest && nearest->t <= seen->t)) continue;
+        nearest = seen, group = light.group;
+    }
+    if (!nearest || rays_.occluded({ray.origin, ray.direction, nearest->t})) return false;
+    if (walk.collect == Collect::everything)
+        walk.L[group] += walk.throughput * weight * nearest->radiance;
+    return true;
+}
+
+std::optional<LightPaths::Reflection> LightPaths::meet(const Hit& hit, Vec3 w_o, Walk& walk) const {
+    const std::uint32_t index = scene_.objects[hit.object].material;
+    const float cos_o = std::min(1.0f, glm::dot(hit.n, w_o));
+    const auto mirror = [&](Rgb weight) {
+        return std::optional(Reflection{mirrored(hit, w_o), weight, true});
+    };
+    return std::visit(
+        Overloaded{
+            [&](const SubsurfaceMaterial& body) {
+                const float T = exit_factor(*factors_[index], cos_o);
+                const Rgb tint = map(body.albedo.at(texture_point(scene_, hit)),
+                                     [](float a) { return std::sqrt(a); });
+                if (walk.reflections < bounces_)
+                    walk.bodies.push_back({walk.receiver, hit.object, hit.position, hit.n, w_o,
+                                           kInvPi * T * tint * walk.throughput});
+                return mirror(Rgb(fresnel_reflectance(body.medium.eta, cos_o)));
+            },
+            [&](const DiffuseMaterial& diffuse) {
+                return meet_base(hit, diffuse.reflectance.at(texture_point(scene_, hit)), 1, walk);
+            },
+            [&](const PlasticMaterial& plastic) -> std::optional<Reflection> {
+                const float F = fresnel_reflectance(plastic.eta, cos_o);
+                const Rgb reflectance = plastic.reflectance.at(texture_point(scene_, hit));
+                const Rgb base = (1 - F) / (plastic.eta * plastic.eta) * reflectance /
+                                 (Rgb(1) - F_dr_[index] * reflectance);
+                auto diffuse = meet_base(hit, base, plastic.eta, walk);
+                // One of the two goes on, chosen by what it carries.
+                const float by_coat = F / std::max(1e-6f, F + max_channel(base));
+                if (walk.random(kLobe) < by_coat) return mirror(Rgb(F / by_coat));
+                if (diffuse) diffuse->weight *= 1 / (1 - by_coat);
+                return diffuse;
+            },
+            [&](const MirrorMaterial& m) { return mirror(m.reflectance); },
+        },
+        scene_.materials[index].kind);
+}
+
+// A Lambertian layer that reflects the share `rho` of the light that passes a boundary of index
+// `eta` above it.
+std::optional<LightPaths::Reflection> LightPaths::meet_base(const Hit& hit, Rgb rho, float eta,
+                                                            Walk& walk) const {
+    if (walk.reflections >= bounces_ || max_channel(rho) == 0) return std::nullopt;
+    if (walk.collect == Collect::everything) {
+        std::fill(walk.E.begin(), walk.E.end(), Rgb(0));
+        add_direct_light(scene_, rays_,
+                         {hit.position, hit.n_g, hit.n, random_bits(walk.seed, kShadow, 0)}, 1,
+                         {eta}, walk.E);
+        for (std::size_t g = 0; g < walk.E.size(); ++g)
+            walk.L[g] += kInvPi * walk.throughput * rho * walk.E[g];
+    }
+    const Vec3 direction = cosine_direction(hit.n, walk.random_2d(kDirection));
+    if (glm::dot(direction, hit.n_g) <= 0) return std::nullopt;
+    const float entering = Acceptance{eta}(std::max(0.0f, glm::dot(direction, hit.n)));
+    return Reflection{direction, entering * rho, false};
+}
+
+}  // namespace tallow

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "common/base/progress.h"
+#include "common/geometry/ray_scene.h"
+#include "common/scene/scene.h"
+#include "precompute/sampled_body.h"
+
+namespace tallow {
+
+struct IndirectOptions {
+    int bounces;      ///< >= 1
+    int rays;         ///< from each sample
+    float tolerance;  ///< of the exitance that bodies shine with
+};
+
+/// Fills `indirect` of every body: light that reaches a sample after it was reflected, by opaque
+/// surfaces or by bodies, this one included.
+///
+///     E_t(x) = pi * mean over cosine-distributed rays of  F_t(eta, cos) * L(ray)
+///
+/// L is what LightPaths collect. Bodies shine with the exitance of the light that they have so far;
+/// that is repeated `bounces` times, so that light which goes in and out of bodies several times is
+/// counted as often. In a path that meets a body after d diffuse reflections both add up: paths of
+/// up to 2 * bounces - 1 reflections are in part included.
+///
+/// The rays of a sample are consecutive points of one low-discrepancy sequence for the whole body,
+/// in the order of the samples, so that neighbours in space are stratified together: exitance
+/// averages over them.
+///
+/// Units    W/mm^2 per channel and light group; the groups' scales are not applied.
+/// Source   [JB02] section 3 leaves the irradiance to any global illumination method.
+void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<SampledBody>& bodies,
+                     const IndirectOptions& options, Progress& progress);
+
+}  // namespace tallow
