@@ -268,18 +268,18 @@ TEST(BadInput, Caches) {
         "bad.tallow: cut short: 20 bytes, the header alone has 40; re-run tallow-precompute");
     expect_cache_refused(
         folder, good.substr(0, good.size() - 1),
-        "bad.tallow: header: expected a file of 3840 bytes, got 3839; re-run tallow-precompute");
+        "bad.tallow: header: expected a file of 5248 bytes, got 5247; re-run tallow-precompute");
     expect_cache_refused(
         folder, good + '\0',
-        "bad.tallow: header: expected a file of 3840 bytes, got 3841; re-run tallow-precompute");
+        "bad.tallow: header: expected a file of 5248 bytes, got 5249; re-run tallow-precompute");
     expect_cache_refused(
-        folder, with_byte(8, 2),
-        "bad.tallow: format version 2, but this program reads version 1; re-run tallow-precompute");
+        folder, with_byte(8, 3),
+        "bad.tallow: format version 3, but this program reads version 2; re-run tallow-precompute");
     expect_cache_refused(folder, with_byte(60, 99),
                          "bad.tallow: section table: expected checksum CHECKSUM, got CHECKSUM; "
                          "re-run tallow-precompute");
     expect_cache_refused(folder, with_byte(good.size() - 3, char(good[good.size() - 3] ^ 1)),
-                         "bad.tallow: section 'directions_direct' of body 0, group 0: expected "
+                         "bad.tallow: section 'directions_indirect' of body 0, group 0: expected "
                          "checksum CHECKSUM, got CHECKSUM; re-run tallow-precompute");
 }
 

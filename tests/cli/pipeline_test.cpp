@@ -205,16 +205,32 @@ TEST(Pipeline, OneCacheServesEveryCameraMediumAndGroupScale) {
     const path folder = pyramid_folder();
     make_cache(folder);
     const std::string cache = read_bytes(folder / "scene.tallow");
-    for (const std::vector<std::string>& flags :
-         std::vector<std::vector<std::string>>{{"--camera", "above"},
-                                               {"--set", "materials.stone.sigma_a=[0.1, 0.1, 0.1]"},
-                                               {"--set", "materials.floor.reflectance=0.1"},
-                                               {"--set", "groups.key.scale=[2, 1, 0.5]"},
-                                               {"--set", "cameras.main.fov_deg=20"}}) {
+    for (const std::vector<std::string>& flags : std::vector<std::vector<std::string>>{
+             {"--camera", "above"},
+             {"--set", "materials.stone.sigma_a=[0.1, 0.1, 0.1]", "--set", "settings.bounces=0"},
+             {"--set", "materials.floor.reflectance=0.1", "--set", "settings.bounces=0"},
+             {"--set", "groups.key.scale=[2, 1, 0.5]"},
+             {"--set", "cameras.main.fov_deg=20"}}) {
         const Result result = render_to(folder, "image.exr", flags);
         EXPECT_EQ(result.exit_code, 0) << result.err;
     }
     EXPECT_EQ(read_bytes(folder / "scene.tallow"), cache);
+}
+
+// Indirect light depends on what reflects it; the direct light beside it does not.
+TEST(Pipeline, RefusesIndirectLightOfAnotherFloor) {
+    const path folder = pyramid_folder();
+    make_cache(folder);
+    const Result result =
+        render_to(folder, "image.exr", {"--set", "materials.floor.reflectance=0.1"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_NE(
+        result.err.find("scene.tallow: indirect light was made from "
+                        "indirect.objects[1].reflectance = 0.4 0.4 0.4, but the scene has "
+                        "0.1 0.1 0.1; re-run tallow-precompute, which keeps the direct light, "
+                        "or do without with --set settings.bounces=0"),
+        std::string::npos)
+        << result.err;
 }
 
 // Light adds: the picture with both groups is the sum of the pictures with one of them dark.

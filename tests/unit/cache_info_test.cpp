@@ -15,7 +15,7 @@ TEST(CacheInfo, DescribesEveryBody) {
     const MappedCache cache(test_out("described.tallow"));
     EXPECT_EQ(describe_cache(cache),
               "file size     2900 bytes\n"
-              "format        version 1\n"
+              "format        version 2\n"
               "fingerprint   " +
                   fingerprint_id(test.view.fingerprint) +
                   "\n"

@@ -29,6 +29,11 @@ void expect_same_body(const BodyView& a, const BodyView& b) {
         expect_same(a.groups[group].E_t, b.groups[group].E_t);
         expect_same(a.groups[group].w_i, b.groups[group].w_i);
     }
+    ASSERT_EQ(a.indirect.size(), b.indirect.size());
+    for (std::size_t group = 0; group < a.indirect.size(); ++group) {
+        expect_same(a.indirect[group].E_t, b.indirect[group].E_t);
+        expect_same(a.indirect[group].w_i, b.indirect[group].w_i);
+    }
 }
 
 TEST(Cache, RoundTrip) {
@@ -42,6 +47,20 @@ TEST(Cache, RoundTrip) {
     for (std::size_t i = 0; i < 2; ++i)
         expect_same_body(mapped.view().bodies[i], test.view.bodies[i]);
     EXPECT_FALSE(std::filesystem::exists(test_out("round_trip.tallow.tmp")));
+}
+
+TEST(Cache, RoundTripWithIndirectLight) {
+    TestCache test;
+    const BodyArrays first(10, 3), second(7, 3);
+    for (std::uint32_t group : {2u, 0u}) {  // other light than the direct one, which is of 0 and 1
+        test.view.bodies[0].indirect.push_back({first.E_t[group], first.w_i[group]});
+        test.view.bodies[1].indirect.push_back({second.E_t[group], second.w_i[group]});
+    }
+    write_cache(test_out("indirect.tallow"), test.view);
+    const MappedCache mapped(test_out("indirect.tallow"));
+    ASSERT_EQ(mapped.view().bodies.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i)
+        expect_same_body(mapped.view().bodies[i], test.view.bodies[i]);
 }
 
 TEST(Cache, ViewOutlivesAMove) {
@@ -108,8 +127,8 @@ std::string header_error(const std::function<void(FileHeader&)>& change) {
 }
 
 TEST(CacheFile, RefusesOtherHeaders) {
-    EXPECT_EQ(header_error([](FileHeader& h) { h.version = 2; }),
-              "format version 2, but this program reads version 1; re-run tallow-precompute");
+    EXPECT_EQ(header_error([](FileHeader& h) { h.version = 3; }),
+              "format version 3, but this program reads version 2; re-run tallow-precompute");
     EXPECT_EQ(header_error([](FileHeader& h) { h.byte_order_mark = 0x04030201; }),
               "written on a machine of the other byte order; re-run tallow-precompute");
     EXPECT_EQ(header_error([](FileHeader& h) { h.byte_order_mark = 7; }),

@@ -6,11 +6,11 @@
 
 #include "common/base/rng.h"
 #include "common/cloud/morton.h"
+#include "common/exitance/exitance_field.h"
+#include "common/exitance/lit_samples.h"
 #include "common/optics/dipole.h"
 #include "precompute/build_octree.h"
 #include "precompute/sample_surface.h"
-#include "common/exitance/exitance_field.h"
-#include "common/exitance/lit_samples.h"
 #include "tests/support/scenes.h"
 
 namespace tallow {

@@ -30,6 +30,7 @@ TestScene test_scene() {
     scene.lights = {{PointLight{{0, 50, 0}, Rgb(100)}, 0},
                     {QuadLight{{0, 90, 0}, {10, 0, 0}, {0, 0, 10}, {0, -1, 0}, Rgb(20)}, 1}};
     scene.groups = {{"key", Rgb(1)}, {"fill", Rgb(1)}};
+    scene.settings.bounces = 0;
     test.geometry.mesh_hash = {0x9f86d081884c7d65, 0};
     return test;
 }
@@ -84,6 +85,7 @@ TEST(SceneFingerprint, IsReadable) {
         {"lights[1].group", "fill"},
         {"groups[0].name", "key"},
         {"groups[1].name", "fill"},
+        {"indirect.bounces", "0"},
         {"sampling.light_samples", "16"},
     };
     EXPECT_EQ(fingerprint_after([](TestScene&) {}), expected);
@@ -110,6 +112,35 @@ TEST(SceneFingerprint, IgnoresWhatPassOneDoesNotUse) {
                   wax.single_scattering = Switch::off;
               }),
               Keys{});
+}
+
+// What indirect light depends on, and only where there is any.
+TEST(SceneFingerprint, SeesWhatReflectsIndirectLight) {
+    const auto keys = [](const std::function<void(Scene&)>& change) {
+        TestScene before = test_scene();
+        before.scene.settings.bounces = 3;
+        TestScene after = before;
+        change(after.scene);
+        const Fingerprint a = scene_fingerprint(before.scene, before.geometry);
+        const Fingerprint b = scene_fingerprint(after.scene, after.geometry);
+        Keys differing;
+        for (const auto& pair : b)
+            if (std::find(a.begin(), a.end(), pair) == a.end()) differing.push_back(pair.first);
+        return differing;
+    };
+    EXPECT_EQ(keys([](Scene& s) { s.settings.bounces = 2; }), Keys{"indirect.bounces"});
+    EXPECT_EQ(keys([](Scene& s) {
+                  std::get<SubsurfaceMaterial>(s.materials[0].kind).medium.sigma_a = Rgb(1);
+              }),
+              Keys{"indirect.objects[0].sigma_a"});
+    EXPECT_EQ(keys([](Scene& s) {
+                  std::get<SubsurfaceMaterial>(s.materials[0].kind).model = Model::dipole;
+              }),
+              Keys{"indirect.objects[0].model"});
+    EXPECT_EQ(keys([](Scene& s) { s.materials[1].kind = DiffuseMaterial{Rgb(0.25f)}; }),
+              Keys{"indirect.objects[1].reflectance"});
+    EXPECT_EQ(keys([](Scene& s) { s.materials[1].kind = MirrorMaterial{Rgb(0.5f)}; }),
+              Keys{"indirect.objects[1].type"});
 }
 
 TEST(SceneFingerprint, ZeroHasNoSign) {
