@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "common/base/parallel.h"
 #include "common/base/rng.h"
@@ -169,19 +169,64 @@ std::vector<GroupIrradiance> sum_of(const std::vector<GroupIrradiance>& a,
     return sum;
 }
 
+/// What surfaces and what bodies send to the samples of one body.
+struct Contributions {
+    std::vector<GroupIrradiance> by_surfaces, by_bodies;
+};
+
+void clear(std::vector<GroupIrradiance>& groups, std::size_t begin, std::size_t end) {
+    for (GroupIrradiance& group : groups) {
+        std::fill(&group.E_t[begin], &group.E_t[begin] + (end - begin), Rgb(0));
+        std::fill(&group.w_i[begin], &group.w_i[begin] + (end - begin), Vec3(0));
+    }
+}
+
+/// The work for one body in one round: chunks that the checkpoint has not.
+class BodyRound {
+public:
+    BodyRound(Round& paths, Checkpoint& checkpoint, int round, std::uint32_t body, Contributions& c)
+        : paths_(paths), checkpoint_(checkpoint), round_(round), body_(body), c_(c) {}
+
+    void gather(std::size_t begin, std::size_t end) {
+        if (restore(begin, end)) return;
+        if (round_ == 0) clear(c_.by_surfaces, begin, end);
+        clear(c_.by_bodies, begin, end);
+        paths_.gather(begin, end);
+        if (round_ == 0)
+            checkpoint_.keep(Checkpoint::Stage::surfaces, body_, begin, end, c_.by_surfaces);
+        checkpoint_.keep(stage(), body_, begin, end, c_.by_bodies);
+    }
+
+private:
+    bool restore(std::size_t begin, std::size_t end) {
+        return (round_ > 0 || checkpoint_.restore(Checkpoint::Stage::surfaces, body_, begin, end,
+                                                  c_.by_surfaces)) &&
+               checkpoint_.restore(stage(), body_, begin, end, c_.by_bodies);
+    }
+    Checkpoint::Stage stage() const {
+        return Checkpoint::Stage(std::uint32_t(Checkpoint::Stage::bodies) + std::uint32_t(round_));
+    }
+
+    Round& paths_;
+    Checkpoint& checkpoint_;
+    int round_;
+    std::uint32_t body_;
+    Contributions& c_;
+};
+
 }  // namespace
 
 void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<SampledBody>& bodies,
-                     const IndirectOptions& options, Progress& progress) {
-    const std::size_t groups = scene.groups.size();
-    std::vector<std::optional<std::array<KernelTable, 3>>> profiles;  // [body]
-    std::vector<std::vector<GroupIrradiance>> by_surfaces;            // [body][group]
+                     const IndirectOptions& options, Checkpoint& checkpoint, Progress& progress) {
+    std::vector<std::array<KernelTable, 3>> profiles;  // [body]
+    std::vector<Contributions> light;                  // [body]
     std::size_t samples = 0;
     for (SampledBody& body : bodies) {
         const SubsurfaceMaterial& material = *subsurface(scene, body.object);
-        profiles.emplace_back(tabulate_profiles(material.model, material.medium, Orders::all));
-        by_surfaces.push_back(dark(groups, body.samples.size()));
-        samples += body.samples.size();
+        profiles.push_back(tabulate_profiles(material.model, material.medium, Orders::all));
+        const std::size_t count = body.samples.size();
+        light.push_back({dark(scene.groups.size(), count), dark(scene.groups.size(), count)});
+        samples += count;
     }
     const std::size_t chunk =
         std::max<std::size_t>(kBlock, kRaysPerChunk / std::size_t(options.rays));
@@ -190,22 +235,22 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
         std::vector<GroupFields> fields(scene.objects.size());
         for (std::size_t b = 0; b < bodies.size(); ++b)
             fields[bodies[b].object] =
-                make_fields(scene, bodies[b], *profiles[b], options.tolerance);
-        std::vector<std::vector<GroupIrradiance>> result;  // after all bodies saw the same light
+                make_fields(scene, bodies[b], profiles[b], options.tolerance);
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            const std::size_t count = bodies[b].samples.size();
-            std::vector<GroupIrradiance> by_bodies = dark(groups, count);
             Round paths(scene, rays, fields, options, bodies[b],
                         round == 0 ? LightPaths::Collect::everything : LightPaths::Collect::bodies,
-                        by_surfaces[b], by_bodies);
+                        light[b].by_surfaces, light[b].by_bodies);
+            BodyRound body(paths, checkpoint, round, std::uint32_t(b), light[b]);
+            const std::size_t count = bodies[b].samples.size();
             for (std::size_t begin = 0; begin < count; begin += chunk) {
                 const std::size_t end = std::min(count, begin + chunk);
-                paths.gather(begin, end);
+                body.gather(begin, end);
                 progress.add(end - begin);
             }
-            result.push_back(sum_of(by_surfaces[b], by_bodies));
         }
-        for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b].indirect = std::move(result[b]);
+        // Only now: all bodies were to see the same light.
+        for (std::size_t b = 0; b < bodies.size(); ++b)
+            bodies[b].indirect = sum_of(light[b].by_surfaces, light[b].by_bodies);
     }
     progress.end();
 }

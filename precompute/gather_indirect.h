@@ -6,6 +6,7 @@
 #include "common/base/progress.h"
 #include "common/geometry/ray_scene.h"
 #include "common/scene/scene.h"
+#include "precompute/checkpoint.h"
 #include "precompute/sampled_body.h"
 
 namespace tallow {
@@ -32,7 +33,8 @@ struct IndirectOptions {
 ///
 /// Units    W/mm^2 per channel and light group; the groups' scales are not applied.
 /// Source   [JB02] section 3 leaves the irradiance to any global illumination method.
+/// What `checkpoint` has is not gathered again.
 void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<SampledBody>& bodies,
-                     const IndirectOptions& options, Progress& progress);
+                     const IndirectOptions& options, Checkpoint& checkpoint, Progress& progress);
 
 }  // namespace tallow

@@ -91,21 +91,26 @@ private:
 
 }  // namespace
 
-std::vector<GroupIrradiance> gather_irradiance(const Scene& scene, const RayScene& rays,
-                                               const SurfaceSamples& samples, float eta,
-                                               Progress& progress) {
-    std::vector<GroupIrradiance> groups(scene.groups.size());
-    for (GroupIrradiance& group : groups) {
-        group.E_t.assign(samples.size(), Rgb(0));
-        group.w_i.assign(samples.size(), Vec3(0));
-    }
-    const std::size_t blocks = (samples.size() + kBlock - 1) / kBlock;
+void gather_irradiance_range(const Scene& scene, const RayScene& rays,
+                             const SurfaceSamples& samples, float eta, std::size_t first,
+                             std::size_t last, std::vector<GroupIrradiance>& groups,
+                             Progress& progress) {
+    const std::size_t blocks = (last - first + kBlock - 1) / kBlock;
     parallel_ranges(blocks, 4, [&](std::size_t begin, std::size_t end) {
         BlockGatherer gatherer(scene, rays, samples, eta, groups);
         for (std::size_t block = begin; block < end; ++block)
-            gatherer.gather(block * kBlock, std::min(samples.size(), (block + 1) * kBlock));
-        progress.add(std::min(samples.size(), end * kBlock) - begin * kBlock);
+            gatherer.gather(first + block * kBlock, std::min(last, first + (block + 1) * kBlock));
+        progress.add(std::min(last, first + end * kBlock) - (first + begin * kBlock));
     });
+}
+
+std::vector<GroupIrradiance> gather_irradiance(const Scene& scene, const RayScene& rays,
+                                               const SurfaceSamples& samples, float eta,
+                                               Progress& progress) {
+    std::vector<GroupIrradiance> groups(
+        scene.groups.size(),
+        {std::vector<Rgb>(samples.size(), Rgb(0)), std::vector<Vec3>(samples.size(), Vec3(0))});
+    gather_irradiance_range(scene, rays, samples, eta, 0, samples.size(), groups, progress);
     return groups;
 }
 

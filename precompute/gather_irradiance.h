@@ -32,4 +32,15 @@ std::vector<GroupIrradiance> gather_irradiance(const Scene& scene, const RayScen
                                                const SurfaceSamples& samples, float eta,
                                                Progress& progress);
 
+/// Samples are gathered in blocks of so many, all their rays together.
+inline constexpr std::size_t kGatherBlock = 64;
+
+/// The same for samples [first, last) only, added to `groups`, which hold all samples and zeros
+/// there. Both ends are multiples of kGatherBlock, or the end of the samples: the result does not
+/// depend on how the samples are cut.
+void gather_irradiance_range(const Scene& scene, const RayScene& rays,
+                             const SurfaceSamples& samples, float eta, std::size_t first,
+                             std::size_t last, std::vector<GroupIrradiance>& groups,
+                             Progress& progress);
+
 }  // namespace tallow

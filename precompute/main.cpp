@@ -19,7 +19,9 @@ struct Arguments {
     std::optional<std::filesystem::path> output, info, export_ply;
     std::string spacing = "auto";
     std::optional<double> tolerance;
-    std::optional<int> light_samples;
+    std::optional<int> light_samples, bounces;
+    std::optional<double> checkpoint_seconds;
+    bool resume = false;
     std::vector<std::string> overrides;
 };
 
@@ -34,6 +36,13 @@ void declare(CommandLine& line, Arguments& a) {
                 "Accepted relRMSE, used by --spacing auto [default: the scene's, or 0.01]");
     line.integer("--light-samples", a.light_samples, 1, 65536, "an integer in [1, 65536]",
                  "Shadow rays for each sample and area light [default: the scene's, or 16]");
+    line.integer("--bounces", a.bounces, 0, 64, "an integer in [0, 64]",
+                 "Times that light may be reflected before it reaches a sample; 0 leaves indirect "
+                 "light out [default: the scene's, or 2 where anything reflects]");
+    line.flag("--resume", a.resume,
+              "Go on where an interrupted run stopped: what it had is in CACHE.part");
+    line.number("--checkpoint-seconds", a.checkpoint_seconds, 0, 1e6, "a number >= 0",
+                "How often CACHE.part is written [default: 5]");
     line.text_list("--set", a.overrides,
                    "Override a value of the scene, e.g. materials.wax.eta=1.4", "KEY=VALUE");
     line.path("--info", a.info, "Print what a cache file holds, and stop");
@@ -58,6 +67,9 @@ void make_cache(const Arguments& a, ToolRun& run) {
     Scene scene = load_scene(a.scene, a.overrides);
     load_timer.stop();
     if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
+    if (a.bounces) scene.settings.bounces = *a.bounces;
+    options.checkpoint.resume = a.resume;
+    if (a.checkpoint_seconds) options.checkpoint.seconds = *a.checkpoint_seconds;
     if (a.light_samples) scene.settings.light_samples = *a.light_samples;
 
     precompute(scene, options, *a.output, run.progress, run.stats);

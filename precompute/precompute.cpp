@@ -13,6 +13,7 @@
 #include "common/cloud/scene_fingerprint.h"
 #include "common/geometry/ray_scene.h"
 #include "precompute/build_octree.h"
+#include "precompute/earlier_cache.h"
 #include "precompute/gather_indirect.h"
 #include "precompute/sample_surface.h"
 
@@ -52,7 +53,12 @@ void require_memory(const std::string& where, double samples, float spacing) {
 
 constexpr int kIndirectRays = 16;
 
-/// Takes one body after the other through the stages of pass one.
+// Samples whose direct light is gathered between two looks at the checkpoint. Chosen: some tenths
+// of a second.
+constexpr std::size_t kChunk = 1 << 18;
+static_assert(kChunk % kGatherBlock == 0);
+
+/// Takes one body after the other through the stages of pass one up to direct light.
 class BodySampler {
 public:
     BodySampler(const Scene& scene, const SceneGeometry& geometry, const RayScene& rays,
@@ -64,17 +70,44 @@ public:
           progress_(progress),
           stats_(stats) {}
 
-    SampledBody sample(std::uint32_t object) {
+    SampledBody sample(std::uint32_t object, const EarlierCache& earlier) {
         const Surface& surface = geometry_.surfaces[object];
         const Medium& medium = subsurface(scene_, object)->medium;
         SampledBody body{object, 0, surface_area(surface), {}, {}, {}, {}};
-        body.spacing = options_.spacing.value_or(
+        const float wanted = options_.spacing.value_or(
             automatic_spacing(medium, scene_.settings.tolerance, surface_extent(surface)));
+        body.spacing = options_.spacing ? wanted : earlier.spacing(object, wanted).value_or(wanted);
         sample_points(surface, body);
-        gather_light(medium, body);
         const PhaseTimer timer(stats_, "octree");
         body.nodes = build_octree(body.samples.position);
         return body;
+    }
+
+    void gather_light(SampledBody& body, std::uint32_t index, const EarlierCache& earlier,
+                      Checkpoint& checkpoint) {
+        if (earlier.copy_direct_light(body)) {
+            progress_.note(scene_.objects[body.object].where +
+                           ": direct light kept from the earlier cache: only what reflects it has "
+                           "changed");
+            return;
+        }
+        const PhaseTimer timer(stats_, "irradiance");
+        const float eta = subsurface(scene_, body.object)->medium.eta;
+        const std::size_t count = body.samples.size();
+        body.direct.assign(scene_.groups.size(),
+                           {std::vector<Rgb>(count, Rgb(0)), std::vector<Vec3>(count, Vec3(0))});
+        progress_.begin("irradiance", count, "samples");
+        for (std::size_t begin = 0; begin < count; begin += kChunk) {
+            const std::size_t end = std::min(count, begin + kChunk);
+            if (checkpoint.restore(Checkpoint::Stage::direct, index, begin, end, body.direct)) {
+                progress_.add(end - begin);
+                continue;
+            }
+            gather_irradiance_range(scene_, rays_, body.samples, eta, begin, end, body.direct,
+                                    progress_);
+            checkpoint.keep(Checkpoint::Stage::direct, index, begin, end, body.direct);
+        }
+        progress_.end();
     }
 
 private:
@@ -87,13 +120,6 @@ private:
                                    body.samples.size(), body.spacing, body.area));
     }
 
-    void gather_light(const Medium& medium, SampledBody& body) {
-        const PhaseTimer timer(stats_, "irradiance");
-        progress_.begin("irradiance", body.samples.size(), "samples");
-        body.direct = gather_irradiance(scene_, rays_, body.samples, medium.eta, progress_);
-        progress_.end();
-    }
-
     const Scene& scene_;
     const SceneGeometry& geometry_;
     const RayScene& rays_;
@@ -102,17 +128,24 @@ private:
     Stats& stats_;
 };
 
-CacheView make_cache(const Scene& scene, const SceneGeometry& geometry,
+Fingerprint with_spacings(Fingerprint fingerprint, const std::vector<SampledBody>& bodies) {
+    for (const SampledBody& body : bodies)
+        fingerprint.emplace_back(fmt::format("sampling.objects[{}].spacing_mm", body.object),
+                                 fmt::format("{}", body.spacing));
+    return fingerprint;
+}
+
+CacheView make_cache(const Scene& scene, Fingerprint fingerprint,
                      const std::vector<SampledBody>& bodies) {
     CacheView cache;
-    cache.fingerprint = scene_fingerprint(scene, geometry);
+    cache.fingerprint = std::move(fingerprint);
     for (const LightGroup& group : scene.groups) cache.groups.push_back(group.name);
-    for (const SampledBody& body : bodies) {
-        cache.fingerprint.emplace_back(fmt::format("sampling.objects[{}].spacing_mm", body.object),
-                                       fmt::format("{}", body.spacing));
-        cache.bodies.push_back(body.view());
-    }
+    for (const SampledBody& body : bodies) cache.bodies.push_back(body.view());
     return cache;
+}
+
+std::filesystem::path checkpoint_file(std::filesystem::path cache_file) {
+    return cache_file += ".part";
 }
 
 void count(const CacheView& cache, Stats& stats) {
@@ -143,21 +176,38 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
     const RayScene rays(geometry.surfaces);
     bvh_timer.stop();
 
+    const Fingerprint fingerprint = scene_fingerprint(scene, geometry);
+    const EarlierCache earlier(cache_file, fingerprint);
     BodySampler sampler(scene, geometry, rays, options, progress, stats);
     std::vector<SampledBody> bodies;
     for (std::uint32_t object = 0; object < scene.objects.size(); ++object)
-        if (subsurface(scene, object) != nullptr) bodies.push_back(sampler.sample(object));
+        if (subsurface(scene, object) != nullptr) bodies.push_back(sampler.sample(object, earlier));
 
-    if (const int bounces = indirect_bounces(scene); bounces > 0 && !scene.lights.empty()) {
-        const PhaseTimer timer(stats, "indirect");
-        gather_indirect(scene, rays, bodies,
-                        {bounces, kIndirectRays, std::max(scene.settings.tolerance, 1e-3f)},
-                        progress);
+    const Fingerprint sampled = with_spacings(fingerprint, bodies);
+    Checkpoint checkpoint(checkpoint_file(cache_file), sampled, options.checkpoint);
+    try {
+        for (std::uint32_t b = 0; b < bodies.size(); ++b)
+            sampler.gather_light(bodies[b], b, earlier, checkpoint);
+        if (const int bounces = indirect_bounces(scene); bounces > 0 && !scene.lights.empty()) {
+            const PhaseTimer timer(stats, "indirect");
+            gather_indirect(scene, rays, bodies,
+                            {bounces, kIndirectRays, std::max(scene.settings.tolerance, 1e-3f)},
+                            checkpoint, progress);
+        }
+    } catch (const Interrupted&) {
+        checkpoint.write_pending();
+        progress.note(fmt::format("what is done is kept in {}; go on with --resume",
+                                  checkpoint.file().string()));
+        throw;
     }
+    if (options.checkpoint.resume)
+        progress.note(fmt::format("{} sample results came from {}", checkpoint.restored_samples(),
+                                  checkpoint.file().string()));
 
     PhaseTimer write_timer(stats, "write");
-    const CacheView cache = make_cache(scene, geometry, bodies);
+    const CacheView cache = make_cache(scene, sampled, bodies);
     write_cache(cache_file, cache);
+    checkpoint.finish();
     write_timer.stop();
     count(cache, stats);
 }

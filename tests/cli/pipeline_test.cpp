@@ -337,6 +337,53 @@ TEST(Pipeline, InterruptLeavesNothingBehind) {
     EXPECT_FALSE(std::filesystem::exists(folder / "image.exr.tmp"));
 }
 
+// However a run was stopped and wherever it was, going on gives the bytes of an undisturbed one.
+TEST(Pipeline, ResumedCachesHaveTheSameBytes) {
+    const path folder = pyramid_folder();
+    const std::vector<std::string> work = {"--spacing", "0.06", "--light-samples", "32"};
+    make_cache(folder, work);
+    const std::string undisturbed = read_bytes(folder / "scene.tallow");
+    for (const char* signal : {"KILL", "INT"})
+        for (const char* seconds : {"0.1", "0.4"}) {
+            std::filesystem::remove(folder / "scene.tallow");
+            std::vector<std::string> interrupted = {"--foreground",
+                                                    "--preserve-status",
+                                                    fmt::format("--signal={}", signal),
+                                                    seconds,
+                                                    TALLOW_PRECOMPUTE,
+                                                    folder / "scene.yaml",
+                                                    "-o",
+                                                    folder / "scene.tallow",
+                                                    "--checkpoint-seconds",
+                                                    "0"};
+            interrupted.insert(interrupted.end(), work.begin(), work.end());
+            const Result first = run("/usr/bin/timeout", interrupted);
+            if (first.exit_code == 0) continue;  // a fast machine
+            EXPECT_FALSE(std::filesystem::exists(folder / "scene.tallow"));
+            std::vector<std::string> resumed = work;
+            resumed.push_back("--resume");
+            make_cache(folder, resumed);
+            EXPECT_EQ(read_bytes(folder / "scene.tallow"), undisturbed) << signal << seconds;
+            EXPECT_FALSE(std::filesystem::exists(folder / "scene.tallow.part"));
+        }
+}
+
+// A changed medium keeps the direct light; the result is that of a run from nothing.
+TEST(Pipeline, ChangedMediumKeepsDirectLight) {
+    const path folder = pyramid_folder();
+    const std::vector<std::string> other = {"--spacing", "0.2", "--set",
+                                            "materials.stone.sigma_a=[0.1, 0.1, 0.1]"};
+    make_cache(folder, other);
+    const std::string from_nothing = read_bytes(folder / "scene.tallow");
+    make_cache(folder, {"--spacing", "0.2"});
+    EXPECT_NE(read_bytes(folder / "scene.tallow"), from_nothing);
+    std::vector<std::string> flags = {folder / "scene.yaml", "-o", folder / "scene.tallow"};
+    flags.insert(flags.end(), other.begin(), other.end());
+    const Result result = precompute(flags);
+    EXPECT_NE(result.err.find("direct light kept"), std::string::npos) << result.err;
+    EXPECT_EQ(read_bytes(folder / "scene.tallow"), from_nothing);
+}
+
 TEST(Pipeline, StatsNameWhatRan) {
     const path folder = pyramid_folder();
     make_cache(folder, {"--stats", (folder / "one.json").string()});

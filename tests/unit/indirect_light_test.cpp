@@ -153,7 +153,9 @@ TEST(IndirectLight, OneBodyShinesOnAnother) {
                                        sampled(scene, surfaces, rays, 1, 0.25f)};
     const std::vector<SampledBody> before = bodies;
     Progress progress(true);
-    gather_indirect(scene, rays, bodies, {1, 64, 1e-3f}, progress);
+    Checkpoint checkpoint("unused.part", {}, {false, 1e9});
+    gather_indirect(scene, rays, bodies, {1, 64, 1e-3f}, checkpoint, progress);
+    checkpoint.finish();
 
     const auto profile = make_profile(wax.model, wax.medium, 1, Orders::all);
     const SurfaceFactors factors = surface_factors(wax);
