@@ -100,7 +100,7 @@ TEST(Environment, FurnaceOfAConstantPicture) {
 TEST(Environment, CosineMoments) {
     const Light light{
         environment(picture_of(256, 128, [](DVec3 w) { return Rgb(float(1 + w.y)); }))};
-    // Measured 1e-5 to 6e-5: rounding of the picture to 128 rows.
+    // Measured 2e-4: a linear function interpolated between 128 rows.
     EXPECT_NEAR(test::irradiance(light, Vec3(0), {0, 1, 0}).x, kPiD * 5 / 3, 1e-3);
     EXPECT_NEAR(test::irradiance(light, Vec3(0), {1, 0, 0}).x, kPiD, 1e-3);
     EXPECT_NEAR(test::irradiance(light, Vec3(0), {0, -1, 0}).x, kPiD / 3, 1e-3);
@@ -119,8 +119,8 @@ TEST(Environment, SunOfOnePixel) {
     for (const Vec3 n : {to_sun, Vec3(0, 1, 0)}) {
         const DVec3 E = test::irradiance(light, Vec3(0), n);
         const double expected = 1e4 * omega * glm::dot(to_sun, n);
-        EXPECT_NEAR(E.x, expected, 2e-3 * expected);  // measured 2e-4
-        EXPECT_NEAR(E.y, expected / 10, 2e-4 * expected);
+        EXPECT_NEAR(E.x, expected, 5e-4 * expected);  // measured 5e-5
+        EXPECT_NEAR(E.y, expected / 10, 5e-5 * expected);
         EXPECT_EQ(E.z, 0);
     }
     EXPECT_EQ(test::irradiance(light, Vec3(0), -to_sun).x, 0) << "below the horizon";
@@ -144,14 +144,14 @@ TEST(Environment, ImportanceSamplingAgainstBruteForce) {
     EXPECT_NEAR(drawn.mean.x, brute.mean.x,
                 4 * std::hypot(drawn.mean_error.x, brute.mean_error.x));  // 4 sigma
     EXPECT_LT(brute.mean_error.x, 0.02 * brute.mean.x);
-    // Measured variances of one sample over the squared mean: 900 and 0.9, a ratio of 1000.
-    EXPECT_GT(brute.variance.x / drawn.variance.x, 500);
+    // Measured 4200: so many more uniform directions are needed for the same noise.
+    EXPECT_GT(brute.variance.x / drawn.variance.x, 2000);
 }
 
 // The numbers in light_environment.cpp, here from samples.
 TEST(Environment, NoiseOfTheMixture) {
     struct Row {
-        double sun, most;
+        double sun, most;  // measured 0.64, 0.91, 1.58, 1.88
     };
     for (const Row& row : {Row{0, 0.7}, Row{0.3, 1}, Row{1, 1.7}, Row{10, 2.1}}) {
         const Light light{environment(sky_picture(row.sun))};
@@ -180,7 +180,7 @@ TEST(Environment, StratifiedPointsHelp) {
         [](int run, int k) { return sobol_2d(std::uint32_t(k), std::uint64_t(run) * 977 + 5); });
     EXPECT_NEAR(stratified.mean.x, independent.mean.x,
                 4 * std::hypot(stratified.mean_error.x, independent.mean_error.x));
-    EXPECT_GT(independent.variance.x / stratified.variance.x, 5);  // measured
+    EXPECT_GT(independent.variance.x / stratified.variance.x, 6);  // measured 12
 }
 
 TEST(Environment, BlackPictureIsDark) {

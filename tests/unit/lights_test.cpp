@@ -63,10 +63,8 @@ double ceiling_irradiance(double height, double side, Radiance&& radiance) {
     return sum * side * side / kSteps / kSteps;
 }
 
-// ---------------------------------------------------------------------------------- closed forms
-
-// A disc of radius R above a surface that faces it: E = pi L R^2 / (R^2 + h^2). Measured below
-// 2e-6.
+// A disc of radius R above a surface that faces it: E = pi L R^2 / (R^2 + h^2). Measured
+// 2e-4 where the light is nearest.
 TEST(Lights, DiscAboveASurface) {
     for (const float h : {0.1f, 1.0f, 10.0f, 1000.0f}) {
         const Light light{DiscLight{{0, h, 0}, -kUp, 2, {1, 2, 4}}};
@@ -98,17 +96,20 @@ TEST(Lights, Sphere) {
 TEST(Lights, MeshCube) {
     const Light light{mesh_light(moved(cube_mesh({glm::mat3(3), Vec3(0)}), {0, 3.5f, 0}), Rgb(1))};
     const double E = ceiling_irradiance(2, 3, [](double, double) { return 1; });
-    EXPECT_NEAR(irradiance(light, Vec3(0), kUp, 1 << 16).x, E, 2e-3 * E);
+    EXPECT_NEAR(irradiance(light, Vec3(0), kUp, 1 << 16).x, E, 2e-5 * E);  // measured 1.3e-6
 }
 
-// 2048 triangles with corners on a sphere of radius 2: the solid they bound is smaller by 0.1 %.
+// Triangles with corners on a sphere of radius 2 bound a solid that is smaller, by a quarter with
+// each split: measured 0.28 % and 0.071 %.
 TEST(Lights, MeshBallIsASphere) {
-    const auto ball = test::ball_mesh(4, [](Vec3) { return 2; });
-    const Light light{mesh_light(moved(ball, {3, 4, 0}), Rgb(1))};
     const double E = kPiD * 4 / 25 * 0.8;
-    const double got = irradiance(light, Vec3(0), kUp, 1 << 18).x;
-    EXPECT_LT(got, E);
-    EXPECT_NEAR(got, E, 3e-3 * E);
+    const auto missing = [&](int splits) {
+        const auto ball = test::ball_mesh(splits, [](Vec3) { return 2; });
+        const Light light{mesh_light(moved(ball, {3, 4, 0}), Rgb(1))};
+        return 1 - irradiance(light, Vec3(0), kUp, 1 << 18).x / E;
+    };
+    EXPECT_NEAR(missing(4), 0.0028, 2e-4);
+    EXPECT_NEAR(missing(5), 0.0028 / 4, 2e-4);
 }
 
 // Flux through a plane below a spot: 2 pi I times the integral of its falloff over the cosine.
@@ -125,7 +126,7 @@ TEST(Lights, SpotFluxThroughAPlane) {
     }
     // The cubic step has the mean 1/2 between its ends.
     const double expected = 2 * kPiD * 3 * (0.1 + 0.2 / 2);
-    EXPECT_NEAR(flux, expected, 1e-4 * expected);
+    EXPECT_NEAR(flux, expected, 1e-5 * expected);  // measured 1e-7
 }
 
 TEST(Lights, TexturedQuad) {
@@ -136,7 +137,7 @@ TEST(Lights, TexturedQuad) {
             return double(quad.radiance[c]) *
                    quad.texture->at({float(0.5 - a), float(0.5 - b)}).color[c];
         });
-        EXPECT_NEAR(got[c], E, 1e-3 * E) << c;
+        EXPECT_NEAR(got[c], E, 2e-5 * E) << c;  // measured 2e-6
     }
 }
 
@@ -166,8 +167,6 @@ TEST(Lights, TextureOrientation) {
     EXPECT_FALSE(see_light({quad}, {{0, 0, -5}, {0, 0, 1}})) << "from behind";
 }
 
-// --------------------------------------------------------------------------------------- furnace
-
 // Inside a closed emitter of constant radiance: E = pi L wherever one stands and faces.
 TEST(Lights, FurnaceOfMeshes) {
     const auto ball = test::ball_mesh(3, [](Vec3) { return 5; });
@@ -176,7 +175,7 @@ TEST(Lights, FurnaceOfMeshes) {
     for (const Light* light : {&sphere, &room})
         for (const Vec3 x : {Vec3(0), Vec3(1, -2, 1.5f)})
             for (const Vec3 n : {kUp, glm::normalize(Vec3(1, -3, 2))}) {
-                EXPECT_NEAR(irradiance(*light, x, n, 1 << 17).x, kPiD, 5e-3);
+                EXPECT_NEAR(irradiance(*light, x, n, 1 << 17).x, kPiD, 1e-3);  // measured 2e-4
                 const auto seen = test::seen_irradiance(*light, x, n, 1000);
                 EXPECT_NEAR(seen.mean.x, kPiD, 1e-6);
             }
@@ -201,11 +200,9 @@ TEST(Lights, FurnaceOfSeveralLights) {
     for (const Vec3 n : {kUp, glm::normalize(Vec3(1, 0.3f, 2))}) {
         double E = 0;
         for (const Light* light : {&wall, &top, &bottom}) E += irradiance(*light, x, n, 1 << 17).x;
-        EXPECT_NEAR(E, kPiD, 1e-2);
+        EXPECT_NEAR(E, kPiD, 5e-3);  // measured 1.3e-3: the tube has 64 flat sides
     }
 }
-
-// ----------------------------------------------------------------------------------- consistency
 
 std::map<std::string, Light> lights_with_a_size() {
     EnvironmentLight sky{Rgb(1, 2, 3)};
@@ -273,7 +270,8 @@ TEST(Lights, SamplesLieWhereTheLightIsSeen) {
             if (!seen) {
                 ++missed;
             } else if (!std::isinf(seen->t)) {
-                EXPECT_NEAR(seen->t, sample->distance, 1e-4f * sample->distance) << name;
+                EXPECT_NEAR(seen->t, sample->distance, 1e-4f * sample->distance)  // measured 1e-5
+                    << name;
             }
         }
         EXPECT_LE(missed, 2) << name;  // rays through rims and edges; measured 0
@@ -298,8 +296,6 @@ TEST(Lights, DeltaLightsSendWhatTheySample) {
                     test::random_irradiance(light, Vec3(0), kUp, 1).mean.x, 1e-6);
 }
 
-// ----------------------------------------------------------------------------------------- mesh
-
 TEST(MeshEmitter, DrawsUniformlyByArea) {
     TriangleMesh mesh;  // two triangles, one of three times the area
     mesh.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-3, 0, 0}};
@@ -314,8 +310,8 @@ TEST(MeshEmitter, DrawsUniformlyByArea) {
         sum += DVec3(p.position) / double(kCount);
     }
     // Centroids (1/3, 0, 1/3) of weight 1/4 and (-1, 0, 1/3) of weight 3/4.
-    EXPECT_NEAR(sum.x, -2.0 / 3, 1e-4);
-    EXPECT_NEAR(sum.z, 1.0 / 3, 1e-4);
+    EXPECT_NEAR(sum.x, -2.0 / 3, 1e-5);  // measured 2e-6
+    EXPECT_NEAR(sum.z, 1.0 / 3, 1e-5);
 }
 
 TEST(MeshEmitter, IsOpaqueToItself) {
@@ -328,7 +324,7 @@ TEST(MeshEmitter, IsOpaqueToItself) {
     ASSERT_EQ(triangle_normal(mesh, 0), -kUp);
     const Light both{mesh_light(mesh, Rgb(1))};
     const double E = ceiling_irradiance(2, 2, [](double, double) { return 1; });
-    EXPECT_NEAR(irradiance(both, Vec3(0), kUp, 1 << 16).x, E, 3e-3 * E);
+    EXPECT_NEAR(irradiance(both, Vec3(0), kUp, 1 << 16).x, E, 2e-5 * E);  // measured 1e-6
     EXPECT_FALSE(see_light(both, {{0, 5, 0}, -kUp})) << "from behind";
     EXPECT_NEAR(see_light(both, {{0, 2.5f, 0}, kUp})->t, 0.5f, 1e-6f);
 }

@@ -56,8 +56,6 @@ int refused_mutants(const std::string& name, const std::string& seed, int count)
     return refused;
 }
 
-// ------------------------------------------------------------------------------------------- EXR
-
 Image exr_of(const std::vector<std::string>& channels, int width = 3, int height = 2) {
     Image image = make_image(width, height);
     float next = 0.25f;
@@ -110,8 +108,6 @@ TEST(ReadImage, OtherFiles) {
     EXPECT_EQ(image_error(test_out("folder.png")),
               "folder.png: expected a file, got a directory or device");
 }
-
-// ------------------------------------------------------------------------------------------- PNG
 
 struct PngFile {
     int width = 3, height = 2, bits = 8, color_type = PNG_COLOR_TYPE_RGB;
@@ -233,8 +229,6 @@ TEST(ReadImage, PngHugeClaim) {
         "huge.png: expected 1 to 65536 pixels a side and at most 67108864 in all, got 40000 x "
         "40000");
 }
-
-// ------------------------------------------------------------------------------------------- HDR
 
 using Rgbe = std::array<std::uint8_t, 4>;
 
