@@ -107,7 +107,7 @@ private:
         const LightPoint y = sample_light_point(light, u);
         Rgb sum;
         for (const RefractedPath& path : exact_->find(x, y)) {
-            const Rgb intensity = intensity_towards(light, y, -path.w_i);
+            const Rgb intensity = intensity_towards(light, y, -path.w_i, path.outside);
             if (max_channel(intensity) == 0 || !std::isfinite(path.spread) || blocked(x, path))
                 continue;
             const float phase = henyey_greenstein(medium_.g, -glm::dot(path.w_inside, w_inside_));

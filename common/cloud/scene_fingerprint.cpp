@@ -27,6 +27,8 @@ std::string text(const Affine& a) {
     return rows;
 }
 
+std::string hash_text(std::uint64_t hash) { return fmt::format("xxh3:{:016x}", hash); }
+
 const char* text(Normals normals) {
     switch (normals) {
         case Normals::automatic:
@@ -83,7 +85,7 @@ struct ShapePairs {
     }
     void operator()(const MeshShape& mesh) const {
         pairs.add("shape", "mesh");
-        pairs.add("mesh", fmt::format("xxh3:{:016x}", mesh_hash));
+        pairs.add("mesh", hash_text(mesh_hash));
         pairs.add("mm_per_unit", mm_per_unit);
         pairs.add("normals", text(mesh.normals));
     }
@@ -117,6 +119,14 @@ struct LightPairs {
         pairs.add("v", light.v);
         pairs.add("normal", light.normal);
         pairs.add("radiance", light.radiance);
+        if (light.texture) pairs.add("texture", hash_text(light.texture->hash()));
+    }
+    void operator()(const DiscLight& light) const {
+        pairs.add("type", "disc");
+        pairs.add("center", light.center);
+        pairs.add("normal", light.normal);
+        pairs.add("radius", light.radius);
+        pairs.add("radiance", light.radiance);
     }
     void operator()(const SphereLight& light) const {
         pairs.add("type", "sphere");
@@ -124,9 +134,17 @@ struct LightPairs {
         pairs.add("radius", light.radius);
         pairs.add("radiance", light.radiance);
     }
+    void operator()(const MeshLight& light) const {
+        pairs.add("type", "mesh");
+        pairs.add("mesh", hash_text(light.mesh->hash()));
+        pairs.add("radiance", light.radiance);
+    }
     void operator()(const EnvironmentLight& light) const {
         pairs.add("type", "environment");
         pairs.add("radiance", light.radiance);
+        if (!light.image) return;
+        pairs.add("image", hash_text(light.image->hash()));
+        pairs.add("rotation", light.rotation);
     }
 };
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 
 #include "common/base/rgb.h"
 #include "common/base/vec.h"
+#include "common/scene/light_image.h"
+#include "common/scene/mesh_emitter.h"
 
 namespace tallow {
 
@@ -33,11 +36,22 @@ struct SpotLight {
     float cos_inner, cos_outer;
 };
 
-/// Rectangle center + a u + b v with a, b in [-1/2, 1/2]; shines to the side of `normal` only.
+/// Rectangle center + a u + b v with a, b in [-1/2, 1/2]; shines to the side of `normal` only. A
+/// texture multiplies its radiance: the picture fills the rectangle once, its top at b = 1/2, and
+/// is upright and not mirrored for whoever it shines on.
 struct QuadLight {
     Vec3 center;
-    Vec3 u, v;  // full edges, mm
+    Vec3 u, v;  // full edges, mm, at a right angle
     Vec3 normal;
+    Rgb radiance;
+    std::shared_ptr<const LightImage> texture{};  // or null
+};
+
+/// Disc; shines to the side of `normal` only.
+struct DiscLight {
+    Vec3 center;
+    Vec3 normal;
+    float radius;
     Rgb radiance;
 };
 
@@ -48,15 +62,26 @@ struct SphereLight {
     Rgb radiance;
 };
 
-/// The same radiance from every direction, from infinitely far away.
-struct EnvironmentLight {
+/// Mesh that shines outward and hides its own light, as an opaque body does.
+struct MeshLight {
+    std::shared_ptr<const MeshEmitter> mesh;
     Rgb radiance;
 };
 
-using LightShape =
-    std::variant<PointLight, DirectionalLight, SpotLight, QuadLight, SphereLight, EnvironmentLight>;
+/// Light from infinitely far away, of the same radiance from every direction, or of a picture of
+/// all directions times `radiance`. Its middle is seen towards +z and its right quarter towards -x,
+/// as OpenEXR defines latitude-longitude maps, before the picture is turned about +y by `rotation`.
+struct EnvironmentLight {
+    Rgb radiance;
+    std::shared_ptr<const LightImage> image{};  // Layout::directions, or null
+    float rotation = 0;                         // radians, from +z towards +x
+};
 
-/// A light and the group in which its intensity is changed. Lights cast light, not shadows.
+using LightShape = std::variant<PointLight, DirectionalLight, SpotLight, QuadLight, DiscLight,
+                                SphereLight, MeshLight, EnvironmentLight>;
+
+/// A light and the group in which its intensity is changed. Lights cast light, not shadows on
+/// others.
 struct Light {
     LightShape shape;
     std::uint32_t group = 0;  // index into Scene::groups
@@ -87,13 +112,14 @@ struct LightPoint {
     bool at_infinity = false;
 };
 
-/// Quads and spheres are drawn by area, the environment from all directions. `u` in [0, 1)^2;
-/// ignored by delta lights. The average over samples of intensity_towards() is that of the light.
+/// Lights with an area are drawn by it (textured ones also by brightness), the environment from all
+/// directions. `u` in [0, 1)^2; ignored by delta lights. The average over samples of
+/// intensity_towards() is that of the light.
 LightPoint sample_light_point(const Light& light, Vec2 u);
 
-/// Intensity in W/sr that leaves a light's sample in unit direction w, or irradiance of parallel
-/// light.
-Rgb intensity_towards(const Light& light, const LightPoint& point, Vec3 w);
+/// Intensity in W/sr that leaves a light's sample in unit direction w towards somebody `distance`
+/// mm away, or irradiance of parallel light.
+Rgb intensity_towards(const Light& light, const LightPoint& point, Vec3 w, float distance);
 
 /// What a ray sees of a light, obstacles not considered.
 struct Emission {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "common/scene/geometry_yaml.h"
@@ -10,7 +11,9 @@ namespace tallow {
 
 /// The `lights` section, a list. Appends to scene.lights, and to scene.groups the groups that they
 /// name, in order of first appearance; a light that names none belongs to the group "default".
-void read_lights(const std::vector<YamlNode>& section, const LengthReader& lengths, Scene& scene);
+/// Files are looked up in `folder` and read.
+void read_lights(const std::vector<YamlNode>& section, const LengthReader& lengths,
+                 const std::filesystem::path& folder, Scene& scene);
 
 /// The `groups` section: a map from the name of a group in scene.groups to its scale.
 void read_groups(const YamlNode& section, Scene& scene);

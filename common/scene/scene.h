@@ -109,7 +109,8 @@ struct Settings {
 };
 
 /// Everything a scene file says, validated: indices in range, numbers finite and in their domain,
-/// lengths in mm, angles in radians. At least one camera. Files are named, not yet read.
+/// lengths in mm, angles in radians. At least one camera. What lights need of files is read;
+/// objects name theirs.
 struct Scene {
     std::filesystem::path file;
     /// Where the world's origin lies in the file's coordinates, mm. Everything else is relative to

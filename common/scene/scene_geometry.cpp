@@ -97,6 +97,10 @@ SceneGeometry load_geometry(const Scene& scene, Stats& stats) {
     SceneGeometry geometry;
     SurfaceLoader loader(scene, geometry, stats);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) loader.load(i);
+    for (const Light& light : scene.lights)
+        if (const auto* mesh = std::get_if<MeshLight>(&light.shape);
+            mesh && !mesh->mesh->repair().empty())
+            geometry.repair_reports.push_back(mesh->mesh->repair());
     return geometry;
 }
 

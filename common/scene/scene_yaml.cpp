@@ -79,7 +79,7 @@ Scene read_scene(YamlNode root, const std::filesystem::path& file,
         scene.origin = lengths.origin = placed.origin;
     }
     scene.cameras = read_cameras(map.at("cameras"), lengths);
-    if (map.has("lights")) read_lights(map.list("lights"), lengths, scene);
+    if (map.has("lights")) read_lights(map.list("lights"), lengths, file.parent_path(), scene);
     if (map.has("groups")) read_groups(map.at("groups"), scene);
     if (map.has("settings")) scene.settings = read_settings(map.at("settings"));
     return scene;
