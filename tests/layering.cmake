@@ -23,7 +23,7 @@ set(fences
   "CGAL/=common/geometry/mesh_[a-z]+\\.cpp"
   "OpenMesh/=common/geometry/[a-z_]+\\.cpp"
   "(Imf|Imath|OpenEXR/)=common/image/exr_io.cpp"
-  "png\\.h=common/image/png_io.cpp"
+  "png\\.h=common/image/png_(io|reader).cpp"
   "yaml-cpp/=common/scene/yaml_[a-z]+\\.(h|cpp)"
   "tbb/=common/base/(parallel|stats).cpp"
   "CLI/=common/base/cli.cpp"

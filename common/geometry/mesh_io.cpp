@@ -8,14 +8,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
 
 #include "common/base/check.h"
 #include "common/base/errors.h"
+#include "common/base/read_file.h"
 #include "common/geometry/mesh_readers.h"
 
 namespace tallow {
@@ -34,22 +32,6 @@ Reader reader_for(const std::filesystem::path& file) {
     if (extension == ".stl") return read_stl;
     throw InputError(fmt::format("{}: expected a mesh file .ply, .obj, .off or .stl, got '{}'",
                                  file.string(), extension));
-}
-
-MeshFile load(const std::filesystem::path& file) {
-    std::error_code error;
-    const auto status = std::filesystem::status(file, error);
-    if (status.type() == std::filesystem::file_type::not_found)
-        throw InputError(file.string() + ": no such file");
-    if (!std::filesystem::is_regular_file(status))
-        throw InputError(file.string() + ": expected a file, got a directory or device");
-    MeshFile loaded{file.string(), std::string(std::filesystem::file_size(file, error), '\0')};
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream.read(loaded.bytes.data(), static_cast<std::streamsize>(loaded.bytes.size())))
-        throw InputError(fmt::format("{}: cannot read: {}", loaded.name, std::strerror(errno)));
-    if (loaded.bytes.empty())
-        throw InputError(loaded.name + ": expected a mesh, got an empty file");
-    return loaded;
 }
 
 void check_vertices(const std::string& name, const PolygonSoup& soup) {
@@ -106,7 +88,7 @@ void check_uvs(const std::string& name, const PolygonSoup& soup) {
 
 PolygonSoup read_polygon_soup(const std::filesystem::path& file) {
     const Reader read = reader_for(file);
-    const MeshFile loaded = load(file);
+    const MeshFile loaded{file.string(), read_file(file, "a mesh")};
     PolygonSoup soup = read(loaded);
     check_vertices(loaded.name, soup);
     check_polygons(loaded.name, soup);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image -> 8-bit PNG for people. The only user of libpng, through its simplified interface, which
-// reports errors as values where the other one jumps.
+// Image -> 8-bit PNG for people, through libpng's simplified interface, which reports errors as
+// values where the other one jumps.
 #include "common/image/png_io.h"
 
 #include <png.h>
@@ -71,6 +71,10 @@ float srgb_encode(float linear) {
     if (!(linear > 0)) return 0;
     if (linear >= 1) return 1;
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float srgb_decode(float stored) {
+    return stored <= 0.04045f ? stored / 12.92f : std::pow((stored + 0.055f) / 1.055f, 2.4f);
 }
 
 void write_png(const std::filesystem::path& file, const Image& image, float exposure_stops) {

@@ -28,6 +28,9 @@ Rgb tone_map(Rgb radiance);
 /// sRGB transfer curve of a linear value. Domain: clamped to [0, 1]. Source: IEC 61966-2-1.
 float srgb_encode(float linear);
 
+/// Its inverse: linear value of a stored one. Domain: [0, 1].
+float srgb_decode(float stored);
+
 /// Writes the data window of "R", "G", "B" times 2^exposure_stops as tone-mapped 8-bit sRGB over
 /// black; alpha is associated, so the colours are already what black shows through. A fixed dither
 /// of one level keeps gradients from banding; it depends on the pixel's place in the whole image
