@@ -96,10 +96,11 @@ TEST(MeshUvs, RefusesWrongObj) {
 }
 
 std::string ply(const std::string& vertex_uv, const std::string& face_uv) {
-    return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-           "property float z\n" +
-           vertex_uv + "element face 2\n" + face_uv +
-           "property list uchar int vertex_indices\nend_header\n";
+    return fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\n{}element face 2\n{}property list uchar int "
+        "vertex_indices\nend_header\n",
+        vertex_uv, face_uv);
 }
 const std::string kFaceUv = "property list uchar float texcoord\nproperty int texnumber\n";
 
@@ -126,7 +127,7 @@ TEST(MeshUvs, ReadsPlyFaces) {
     EXPECT_EQ(soup.corners_without_uv, 3u);
     EXPECT_EQ(
         complaint("b.ply", ply("", kFaceUv) + vertices + "4 0 1 2 3 0 3 0 1 2\n0 0 3 0 2 3\n"),
-        "b.ply: line 17: expected 6 texture coordinates for 3 corners, got 4");
+        "b.ply: line 16: expected 6 texture coordinates for 3 corners, got 4");
 }
 
 TEST(MeshUvs, RefusesPlyThatIsNotANumber) {
