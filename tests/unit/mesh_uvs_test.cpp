@@ -135,7 +135,7 @@ TEST(MeshUvs, RefusesPlyThatIsNotANumber) {
     bytes.replace(bytes.find("ascii"), 5, "binary_little_endian");
     const auto append = [&](auto value) {
         const auto raw = std::bit_cast<std::array<char, sizeof value>>(value);
-        bytes.append(raw.begin(), raw.end());
+        for (const char byte : raw) bytes.push_back(byte);
     };
     for (int v = 0; v < 4; ++v)
         for (const float x : {float(v & 1), float(v >> 1), 0.0f, 0.5f, v == 2 ? NAN : 0.5f})
