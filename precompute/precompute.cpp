@@ -15,6 +15,7 @@
 #include "precompute/build_octree.h"
 #include "precompute/gather_irradiance.h"
 #include "precompute/sample_surface.h"
+#include "precompute/tint_irradiance.h"
 
 namespace tallow {
 namespace {
@@ -106,6 +107,7 @@ private:
         const PhaseTimer timer(stats_, "irradiance");
         progress_.begin("irradiance", body.samples.size(), "samples");
         body.groups = gather_irradiance(scene_, rays_, body.samples, medium.eta, progress_);
+        tint_irradiance(scene_, rays_, body.object, body.samples, body.groups);
         progress_.end();
     }
 

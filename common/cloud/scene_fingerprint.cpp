@@ -4,8 +4,10 @@
 #include "common/cloud/scene_fingerprint.h"
 
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include "common/base/check.h"
+#include "common/base/overloaded.h"
 
 namespace tallow {
 namespace {
@@ -128,6 +130,31 @@ struct LightPairs {
     }
 };
 
+/// The pixels count, not the file: they may come from another one.
+std::string text(const RgbImage& image) {
+    return fmt::format("{} x {} xxh3:{:016x}", image.width, image.height,
+                       XXH3_64bits(image.pixels.data(), image.pixels.size() * sizeof(Rgb)));
+}
+
+/// Nothing for a body whose albedo is 1.
+void add_albedo(PairWriter& pairs, const SurfaceColor& albedo) {
+    if (!albedo.texture && albedo.value == Rgb(1)) return;
+    pairs.add("albedo", albedo.value);
+    if (!albedo.texture) return;
+    std::visit(
+        Overloaded{
+            [&](const CheckerTexture& checker) {
+                pairs.add("albedo.even", checker.even);
+                pairs.add("albedo.odd", checker.odd);
+            },
+            [&](const ImageTexture& image) { pairs.add("albedo.image", text(*image.image)); },
+        },
+        albedo.texture->kind);
+    const bool in_uv = albedo.texture->coordinates == Texture::Coordinates::uv;
+    pairs.add("albedo.coordinates", in_uv ? "uv" : "object");
+    pairs.add("albedo.period", albedo.texture->period);
+}
+
 void add_object(Fingerprint& fingerprint, const Scene& scene, std::size_t index,
                 std::uint64_t mesh_hash) {
     const Object& object = scene.objects[index];
@@ -136,7 +163,10 @@ void add_object(Fingerprint& fingerprint, const Scene& scene, std::size_t index,
     pairs.add("transform", text(object.transform));
     const SubsurfaceMaterial* material = subsurface(scene, index);
     pairs.add("translucent", material ? "yes" : "no");
-    if (material) pairs.add("eta", material->medium.eta);
+    if (material) {
+        pairs.add("eta", material->medium.eta);
+        add_albedo(pairs, material->albedo);
+    }
 }
 
 void add_light(Fingerprint& fingerprint, const Scene& scene, std::size_t index) {

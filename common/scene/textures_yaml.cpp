@@ -114,7 +114,7 @@ SurfaceColor read_surface_color(const YamlMap& map, std::string_view key,
     const YamlNode& node = map.at(key);
     if (node.kind != YamlNode::Kind::map) {
         if (node.kind != YamlNode::Kind::scalar && node.kind != YamlNode::Kind::list)
-            fail_expected(node, key, "a colour or {texture: NAME}");
+            fail_expected(node, key, "a number, three [r, g, b] or {texture: NAME}");
         return map.rgb(key, kZeroToOne);
     }
     const YamlMap reference(node, key);
