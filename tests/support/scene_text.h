@@ -27,7 +27,7 @@ materials:
   body: {type: subsurface, preset: marble, model: dipole, single_scattering: on, exit: classic, surface: smooth}
   candle: {type: subsurface, sigma_s_prime: [1.9, 1.6, 1.1], sigma_a: [0.002, 0.006, 0.03], eta: 1.43}
   forward: {type: subsurface, sigma_s: 10, sigma_a: 0.5, g: 0.75, eta: 1.3}
-  floor: {type: diffuse, reflectance: {texture: board, scale: [0.5, 0.25, 0]}}
+  floor: {type: diffuse, reflectance: [0.5, 0.25, 0]}
   cup: {type: plastic, reflectance: 0.25}
   glaze: {type: plastic, reflectance: 0.5, eta: 1.75}
   chrome: {type: mirror}
@@ -52,8 +52,6 @@ groups:
   fill: {scale: [1, 2, 3]}
   key: {scale: 0.5}
 settings: {tolerance: 0.02, samples: 4, light_samples: 32}
-textures:
-  board: {type: checker, even: [1, 0.5, 0], odd: 0.125, coordinates: object, period: [1, 2, 3]}
 )";
 
 }  // namespace tallow
