@@ -14,6 +14,7 @@
 #include "common/exitance/exitance_field.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
+#include "precompute/tint_irradiance.h"
 
 namespace tallow {
 namespace {
@@ -249,8 +250,10 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
             }
         }
         // Only now: all bodies were to see the same light.
-        for (std::size_t b = 0; b < bodies.size(); ++b)
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
             bodies[b].indirect = sum_of(light[b].by_surfaces, light[b].by_bodies);
+            tint_irradiance(scene, rays, bodies[b].object, bodies[b].samples, bodies[b].indirect);
+        }
     }
     progress.end();
 }

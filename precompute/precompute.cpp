@@ -16,6 +16,7 @@
 #include "precompute/earlier_cache.h"
 #include "precompute/gather_indirect.h"
 #include "precompute/sample_surface.h"
+#include "precompute/tint_irradiance.h"
 
 namespace tallow {
 namespace {
@@ -107,6 +108,7 @@ public:
                                     progress_);
             checkpoint.keep(Checkpoint::Stage::direct, index, begin, end, body.direct);
         }
+        tint_irradiance(scene_, rays_, body.object, body.samples, body.direct);
         progress_.end();
     }
 

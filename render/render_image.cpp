@@ -96,11 +96,13 @@ public:
         for (const ShadingPoint& point : hits_.points) {
             if (point.hit.object != object) continue;
             const float T = exit_factor(body.factors, glm::dot(point.hit.n, point.w_o));
-            add(point, &Pixel::multiple, kInvPi * T * exitance.M[next]);
+            const Rgb tint = surface_tint(view_.scene, body.material->albedo, point.hit);
+            add(point, &Pixel::multiple, kInvPi * T * tint * exitance.M[next]);
             Pixel& pixel = pixels_[point.pixel];
             if (point.depth == 0) {
-                pixel.exitance += weight * exitance.M[next];
-                if (!exitance.bound.empty()) pixel.error_bound += weight * exitance.bound[next];
+                pixel.exitance += weight * tint * exitance.M[next];
+                if (!exitance.bound.empty())
+                    pixel.error_bound += weight * tint * exitance.bound[next];
             }
             pixel.evaluations += exitance.evaluations[next];
             ++next;
@@ -116,7 +118,8 @@ public:
             add(point, &Pixel::single,
                 single_scatter(view_.scene, view_.rays, view_.geometry.surfaces[point.hit.object],
                                body->material->medium, point.hit, point.w_o, steps, point.seed,
-                               body->connections ? &*body->connections : nullptr));
+                               body->connections ? &*body->connections : nullptr,
+                               body->material->albedo));
         }
     }
 
@@ -165,7 +168,8 @@ private:
             pixel.normal += weight * point.hit.n;
             pixel.position += weight * Vec3(DVec3(point.hit.position) + view_.scene.origin);
             pixel.depth += weight * point.hit.t;
-            pixel.albedo += weight * view_.albedos[view_.scene.objects[point.hit.object].material];
+            pixel.albedo += weight * texture_value(view_.scene, point.hit) *
+                            view_.albedos[view_.scene.objects[point.hit.object].material];
         }
     }
 

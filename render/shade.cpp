@@ -77,7 +77,7 @@ Rgb albedo(const Material& material) {
                 for (int c = 0; c < 3; ++c)
                     total[c] =
                         float(make_profile(m.model, m.medium, c, Orders::all)->total_reflectance());
-                return total;
+                return m.albedo.value * total;
             },
             [](const DiffuseMaterial& m) { return m.reflectance.value; },
             [](const PlasticMaterial& m) { return m.reflectance.value; },

@@ -61,12 +61,13 @@ private:
 class SingleScatter {
 public:
     SingleScatter(const Scene& scene, const RayScene& rays, const Surface& surface,
-                  const RefractedConnections* exact, const Medium& medium, const Hit& hit,
-                  Vec3 w_inside)
+                  const RefractedConnections* exact, const SurfaceColor& albedo,
+                  const Medium& medium, const Hit& hit, Vec3 w_inside)
         : scene_(scene),
           rays_(rays),
           surface_(surface),
           exact_(exact),
+          albedo_(albedo),
           medium_(medium),
           sigma_t_(medium.sigma_t()),
           object_(hit.object),
@@ -100,7 +101,8 @@ private:
         const float ratio = cos_i / refracted_cosine(medium_.eta, cos_i);
         const float phase = henyey_greenstein(medium_.g, -glm::dot(*w_refracted, w_inside_));
         const float transmitted = fresnel_transmittance(medium_.eta, cos_i);
-        return phase * transmitted * ratio * sample->radiance * exp(-exit->t * ratio * sigma_t_);
+        return phase * transmitted * ratio * sample->radiance * exp(-exit->t * ratio * sigma_t_) *
+               surface_tint(scene_, albedo_, *exit);
     }
 
     Rgb along_refracted_paths(Vec3 x, const Light& light, Vec2 u) const {
@@ -113,7 +115,8 @@ private:
             const float phase = henyey_greenstein(medium_.g, -glm::dot(path.w_inside, w_inside_));
             const float cos_i = std::min(1.0f, glm::dot(path.w_i, path.n));
             const float transmitted = fresnel_transmittance(medium_.eta, cos_i);
-            sum += phase * transmitted * path.spread * intensity * exp(-path.inside * sigma_t_);
+            sum += phase * transmitted * path.spread * intensity * exp(-path.inside * sigma_t_) *
+                   tint_at(path.position, path.n_g);
         }
         return sum;
     }
@@ -126,6 +129,15 @@ private:
             {rays_.offset_origin(path.position, path.n_g, path.w_i), path.w_i, path.outside});
     }
 
+    // Where only the place is known: the texture coordinates belong to a hit.
+    Rgb tint_at(Vec3 position, Vec3 n_g) const {
+        if (!albedo_.texture) return surface_tint(scene_, albedo_, {});
+        const Vec3 above = rays_.offset_origin(position, n_g, n_g);
+        const auto hit =
+            rays_.intersect_object({above, -n_g}, object_, 2 * glm::length(above - position));
+        return hit ? surface_tint(scene_, albedo_, *hit) : Rgb(0);  // off an edge by rounding
+    }
+
     // A half-space takes light only through its opening.
     bool admits_light(Vec3 x) const {
         const auto* plane = std::get_if<PlaneSurface>(&surface_);
@@ -136,6 +148,7 @@ private:
     const RayScene& rays_;
     const Surface& surface_;
     const RefractedConnections* exact_;
+    const SurfaceColor& albedo_;
     const Medium& medium_;
     Rgb sigma_t_;
     std::uint32_t object_;
@@ -146,7 +159,7 @@ private:
 
 Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surface,
                    const Medium& medium, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed,
-                   const RefractedConnections* exact) {
+                   const RefractedConnections* exact, const SurfaceColor& albedo) {
     const float cos_o = glm::dot(w_o, hit.n);
     const auto w_inside = refract(w_o, hit.n, medium.eta);
     if (!w_inside || max_channel(medium.sigma_s_prime) == 0) return {};
@@ -157,7 +170,7 @@ Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surf
 
     const Rgb sigma_t = medium.sigma_t();
     const DepthSampler depths(sigma_t, s_max);
-    const SingleScatter scatter(scene, rays, surface, exact, medium, hit, *w_inside);
+    const SingleScatter scatter(scene, rays, surface, exact, albedo, medium, hit, *w_inside);
     Rgb sum;  // depths count from the surface itself: the offset only keeps the march off it
     for (int k = 0; k < steps; ++k) {
         const float jitter = to_unit_float(random_bits(seed, 0, std::uint64_t(k)));
@@ -169,7 +182,7 @@ Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surf
         sum += exp(-s * sigma_t) / depths.density(s) * from_lights;
     }
     const float exit = fresnel_transmittance(medium.eta, cos_o) / (medium.eta * medium.eta);
-    return exit / float(steps) * medium.sigma_s() * sum;
+    return exit / float(steps) * medium.sigma_s() * surface_tint(scene, albedo, hit) * sum;
 }
 
 }  // namespace tallow

@@ -30,6 +30,8 @@ namespace tallow {
 /// RefractedConnections. Where it focuses, noise is unbounded in principle (the density is the
 /// inverse root of the distance to a caustic); in pictures it is hardly seen.
 ///
+/// `albedo` tints light where it enters and where it leaves; see surface_tint().
+///
 /// A light inside the body adds nothing in either version: light enters through the surface only.
 /// Other bodies are opaque to light on its way to the surface and absent inside: a body within a
 /// body gets no light, and the outer one does not notice it.
@@ -56,6 +58,7 @@ namespace tallow {
 ///          projected area at the surface, which the paper leaves out. [WZHB09] for exact paths.
 Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surface,
                    const Medium& medium, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed,
-                   const RefractedConnections* exact = nullptr);
+                   const RefractedConnections* exact = nullptr,
+                   const SurfaceColor& albedo = Rgb(1));
 
 }  // namespace tallow

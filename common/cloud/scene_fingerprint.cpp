@@ -4,10 +4,12 @@
 #include "common/cloud/scene_fingerprint.h"
 
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include <algorithm>
 
 #include "common/base/check.h"
+#include "common/base/overloaded.h"
 
 namespace tallow {
 namespace {
@@ -148,6 +150,36 @@ struct LightPairs {
     }
 };
 
+/// The pixels count, not the file: they may come from another one.
+std::string text(const RgbImage& image) {
+    return fmt::format("{} x {} xxh3:{:016x}", image.width, image.height,
+                       XXH3_64bits(image.pixels.data(), image.pixels.size() * sizeof(Rgb)));
+}
+
+void add_color(PairWriter& pairs, const std::string& key, const SurfaceColor& color) {
+    const auto add = [&](const char* part, const auto& value) {
+        pairs.add((key + part).c_str(), value);
+    };
+    add("", color.value);
+    if (!color.texture) return;
+    std::visit(Overloaded{
+                   [&](const CheckerTexture& checker) {
+                       add(".even", checker.even);
+                       add(".odd", checker.odd);
+                   },
+                   [&](const ImageTexture& image) { add(".image", text(*image.image)); },
+               },
+               color.texture->kind);
+    const bool in_uv = color.texture->coordinates == Texture::Coordinates::uv;
+    add(".coordinates", std::string(in_uv ? "uv" : "object"));
+    add(".period", color.texture->period);
+}
+
+/// Nothing for a body whose albedo is 1.
+void add_albedo(PairWriter& pairs, const SurfaceColor& albedo) {
+    if (albedo.texture || albedo.value != Rgb(1)) add_color(pairs, "albedo", albedo);
+}
+
 void add_object(Fingerprint& fingerprint, const Scene& scene, std::size_t index,
                 std::uint64_t mesh_hash) {
     const Object& object = scene.objects[index];
@@ -156,7 +188,10 @@ void add_object(Fingerprint& fingerprint, const Scene& scene, std::size_t index,
     pairs.add("transform", text(object.transform));
     const SubsurfaceMaterial* material = subsurface(scene, index);
     pairs.add("translucent", material ? "yes" : "no");
-    if (material) pairs.add("eta", material->medium.eta);
+    if (material) {
+        pairs.add("eta", material->medium.eta);
+        add_albedo(pairs, material->albedo);
+    }
 }
 
 void add_light(Fingerprint& fingerprint, const Scene& scene, std::size_t index) {
@@ -164,10 +199,6 @@ void add_light(Fingerprint& fingerprint, const Scene& scene, std::size_t index) 
     PairWriter pairs(fingerprint, fmt::format("lights[{}].", index));
     std::visit(LightPairs{pairs}, light.shape);
     pairs.add("group", scene.groups[light.group].name);
-}
-
-void add_reflectance(PairWriter& pairs, const SurfaceColor& color) {
-    pairs.add("reflectance", color.value);
 }
 
 /// What differs from material to material in how it reflects light.
@@ -185,11 +216,11 @@ struct MaterialPairs {
     }
     void operator()(const DiffuseMaterial& diffuse) const {
         pairs.add("type", "diffuse");
-        add_reflectance(pairs, diffuse.reflectance);
+        add_color(pairs, "reflectance", diffuse.reflectance);
     }
     void operator()(const PlasticMaterial& plastic) const {
         pairs.add("type", "plastic");
-        add_reflectance(pairs, plastic.reflectance);
+        add_color(pairs, "reflectance", plastic.reflectance);
         pairs.add("eta", plastic.eta);
     }
     void operator()(const MirrorMaterial& mirror) const {

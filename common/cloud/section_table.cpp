@@ -54,7 +54,9 @@ bool is_global(SectionKind kind) {
     return kind == SectionKind::fingerprint || kind == SectionKind::groups;
 }
 
-bool has_group(SectionKind kind) { return kind >= SectionKind::irradiance_direct && kind <= SectionKind::directions_indirect; }
+bool has_group(SectionKind kind) {
+    return kind >= SectionKind::irradiance_direct && kind <= SectionKind::directions_indirect;
+}
 
 auto key(const SectionEntry& entry) { return std::tuple(entry.kind, entry.body, entry.group); }
 

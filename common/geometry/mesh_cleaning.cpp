@@ -79,6 +79,12 @@ public:
         : soup_(soup), report_(report), mender_(soup.vertices.size()) {}
 
     void add(const Polygon& polygon) {
+        cut_or_copy(polygon);
+        soup_.polygon.resize(soup_.triangles.size(), next_++);
+    }
+
+private:
+    void cut_or_copy(const Polygon& polygon) {
         if (polygon.size() == 3 && polygon[0] != polygon[1] && polygon[1] != polygon[2] &&
             polygon[2] != polygon[0]) {
             soup_.triangles.push_back({polygon[0], polygon[1], polygon[2]});
@@ -89,7 +95,6 @@ public:
         for (const Polygon& loop : loops) cut(loop);
     }
 
-private:
     /// Cuts a loop from its smallest corner towards the smaller neighbour, so that twins are cut
     /// alike and later steps find them.
     void cut(Polygon loop) {
@@ -110,6 +115,7 @@ private:
     TriangleSoup& soup_;
     RepairReport& report_;
     CornerMender mender_;
+    std::uint32_t next_ = 0;  // number of the next polygon
 };
 
 }  // namespace

@@ -18,21 +18,18 @@ bool turns_upward(const Triangle& t) { return (t[0] < t[1]) + (t[1] < t[2]) + (t
 
 /// Keeps the first of the triangles over the same vertices; returns which of those kept are
 /// two-sided: had as many copies for either side.
-std::vector<bool> keep_first(std::vector<Triangle>& triangles) {
+std::vector<bool> keep_first(TriangleSoup& soup) {
     std::map<Triangle, std::size_t> place;
-    std::vector<Triangle> kept;
-    std::vector<int> balance;
-    for (const Triangle& t : triangles) {
-        Triangle sorted = t;
+    std::vector<int> balance;  // [triangle kept]
+    keep_triangles(soup, [&](std::size_t t) {
+        Triangle sorted = soup.triangles[t];
+        const int side = turns_upward(sorted) ? 1 : -1;
         std::sort(sorted.begin(), sorted.end());
-        const auto [entry, is_new] = place.try_emplace(sorted, kept.size());
-        if (is_new) {
-            kept.push_back(t);
-            balance.push_back(0);
-        }
-        balance[entry->second] += turns_upward(t) ? 1 : -1;
-    }
-    triangles = std::move(kept);
+        const auto [entry, is_new] = place.try_emplace(sorted, balance.size());
+        if (is_new) balance.push_back(0);
+        balance[entry->second] += side;
+        return is_new;
+    });
     std::vector<bool> two_sided;
     for (const int sides : balance) two_sided.push_back(sides == 0);
     return two_sided;
@@ -71,15 +68,12 @@ std::vector<bool> find_walls(const TriangleSoup& soup, const std::vector<bool>& 
 
 void drop_duplicates(TriangleSoup& soup, RepairReport& report) {
     const std::size_t before = soup.triangles.size();
-    const std::vector<bool> two_sided = keep_first(soup.triangles);
+    const std::vector<bool> two_sided = keep_first(soup);
     report.duplicate_faces = before - soup.triangles.size();
     if (std::ranges::none_of(two_sided, [](bool both) { return both; })) return;
     const std::vector<bool> wall = find_walls(soup, two_sided);
-    std::vector<Triangle> kept;
-    for (std::size_t t = 0; t < wall.size(); ++t)
-        if (!wall[t]) kept.push_back(soup.triangles[t]);
-    report.duplicate_faces += soup.triangles.size() - kept.size();
-    soup.triangles = std::move(kept);
+    keep_triangles(soup, [&](std::size_t t) { return !wall[t]; });
+    report.duplicate_faces = before - soup.triangles.size();
 }
 
 }  // namespace tallow

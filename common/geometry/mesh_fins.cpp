@@ -86,11 +86,8 @@ private:
 void drop_fins(TriangleSoup& soup, RepairReport& report) {
     const std::vector<bool> fin = Peeler(soup).fins();
     if (fin.empty()) return;
-    std::vector<Triangle> kept;
-    for (std::size_t t = 0; t < fin.size(); ++t)
-        if (!fin[t]) kept.push_back(soup.triangles[t]);
-    report.fin_faces = fin.size() - kept.size();
-    soup.triangles = std::move(kept);
+    keep_triangles(soup, [&](std::size_t t) { return !fin[t]; });
+    report.fin_faces = fin.size() - soup.triangles.size();
 }
 
 }  // namespace tallow

@@ -32,10 +32,7 @@ public:
             queue_.pop();
             if (alive_[t]) remove(t);
         }
-        std::vector<Triangle> kept;
-        for (std::size_t t = 0; t < alive_.size(); ++t)
-            if (alive_[t]) kept.push_back(soup_.triangles[t]);
-        soup_.triangles = std::move(kept);
+        keep_triangles(soup_, [&](std::size_t t) { return alive_[t]; });
         return count;
     }
 
@@ -96,13 +93,14 @@ private:
         alive_[index] = false;
         --splits_left_;
         if (apex == middle) return;
-        add({a, middle, apex});
-        add({middle, b, apex});
+        add({a, middle, apex}, soup_.polygon[index]);
+        add({middle, b, apex}, soup_.polygon[index]);
     }
 
-    void add(const Triangle& t) {
+    void add(const Triangle& t, std::uint32_t polygon) {
         const auto index = static_cast<std::uint32_t>(soup_.triangles.size());
         soup_.triangles.push_back(t);
+        soup_.polygon.push_back(polygon);
         alive_.push_back(true);
         register_edges(index);
         enqueue_if_flat(index);

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "common/base/check.h"
 #include "common/base/errors.h"
 #include "common/base/read_file.h"
 #include "common/geometry/mesh_readers.h"
@@ -67,6 +69,21 @@ void check_polygons(const std::string& name, const PolygonSoup& soup) {
     }
 }
 
+void check_uvs(const std::string& name, const PolygonSoup& soup) {
+    if (soup.uvs.empty()) return;
+    std::size_t i = 0;
+    for (std::size_t f = 0; f < soup.polygons.size(); ++f)
+        for (std::size_t c = 0; c < soup.polygons[f].size(); ++c, ++i) {
+            const Vec2 uv = soup.uvs[i];
+            if (std::abs(uv.x) <= kLargestUv && std::abs(uv.y) <= kLargestUv) continue;  // no NaN
+            throw InputError(
+                fmt::format("{}: face {}: expected texture coordinates of at most {:g}, got "
+                            "({}, {})",
+                            name, f, kLargestUv, uv.x, uv.y));
+        }
+    TALLOW_CHECK(i == soup.uvs.size(), "{} corners, {} uvs", i, soup.uvs.size());
+}
+
 }  // namespace
 
 PolygonSoup read_polygon_soup(const std::filesystem::path& file) {
@@ -75,6 +92,7 @@ PolygonSoup read_polygon_soup(const std::filesystem::path& file) {
     PolygonSoup soup = read(loaded);
     check_vertices(loaded.name, soup);
     check_polygons(loaded.name, soup);
+    check_uvs(loaded.name, soup);
     return soup;
 }
 

@@ -15,6 +15,7 @@
 #include "common/geometry/half_edge_mesh.h"
 #include "common/geometry/mesh_normals.h"
 #include "common/geometry/mesh_repair_steps.h"
+#include "common/geometry/mesh_uvs.h"
 
 namespace tallow {
 
@@ -91,6 +92,8 @@ RepairedMesh repair_mesh(const PolygonSoup& file, Normals normals, const std::st
     if (smooth)
         result.mesh.corner_normals =
             smooth_corner_normals(result.mesh, {components.of_triangle, turned}, half_edges, file);
+    if (!file.uvs.empty())
+        result.mesh.corner_uvs = find_corner_uvs(result.mesh, soup.polygon, file);
     result.report = std::move(report);
     return result;
 }

@@ -19,7 +19,22 @@ namespace tallow {
 struct TriangleSoup {
     std::vector<Vec3> vertices;
     std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> polygon{};  // [triangle] the polygon of the file that it is part of
 };
+
+/// Keeps triangle t where keep(t).
+template <class Keep>
+void keep_triangles(TriangleSoup& soup, Keep&& keep) {
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+        if (!keep(t)) continue;
+        soup.triangles[kept] = soup.triangles[t];
+        soup.polygon[kept] = soup.polygon[t];
+        ++kept;
+    }
+    soup.triangles.resize(kept);
+    soup.polygon.resize(kept);
+}
 
 /// Step 1: drops unused vertices, joins coincident ones, takes polygons that touch themselves in a
 /// vertex apart there, cuts polygons into triangles (polygons over the same corners alike).

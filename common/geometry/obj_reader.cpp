@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Text of a Wavefront OBJ file in, polygons out: lines "v x y z", "vn x y z" and "f" with corners
-// v, v/vt, v//vn or v/vt/vn, counted from one or, if negative, backwards from the latest. Names,
-// groups, materials, texture coordinates, lines and points are skipped; curves and surfaces are
-// refused, for they are shape that we would lose.
+// Text of a Wavefront OBJ file in, polygons out: lines "v x y z", "vn x y z", "vt u v" and "f" with
+// corners v, v/vt, v//vn or v/vt/vn, counted from one or, if negative, backwards from the latest.
+// Names, groups, materials, lines and points are skipped; curves and surfaces are refused, for they
+// are shape that we would lose. Where there is no line "vt", corners may name what they like.
 //
 // A vertex that corners use with different normals becomes one soup vertex for each of them.
 // Source: Wavefront, "Advanced Visualizer Manual", appendix B1.
@@ -21,8 +21,8 @@ namespace tallow {
 
 namespace {
 
-constexpr std::array<std::string_view, 17> kNoShape = {
-    "vt",     "o",      "g",   "s",     "mg",       "l",        "p",          "usemtl",   "mtllib",
+constexpr std::array<std::string_view, 16> kNoShape = {
+    "o",      "g",      "s",   "mg",    "l",        "p",        "usemtl",     "mtllib",
     "usemap", "maplib", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
 class ObjReader {
@@ -34,6 +34,7 @@ public:
         check_indices();
         if (!normals_.empty()) separate_normals();
         build_polygons();
+        if (!uvs_.empty()) build_uvs();
         return std::move(soup_);
     }
 
@@ -43,6 +44,7 @@ private:
 
     struct Corner {
         std::int64_t vertex;
+        std::int64_t texture = kNone;
         std::int64_t normal = kNone;
     };
 
@@ -58,6 +60,10 @@ private:
         } else if (keyword == "vn") {
             normals_.push_back(scan_.vector("a normal's coordinate"));
             scan_.expect_end_of_line();
+        } else if (keyword == "vt") {
+            const float u = scan_.number("a texture coordinate");
+            uvs_.emplace_back(u, scan_.at_end_of_line() ? 0 : scan_.number("a texture coordinate"));
+            scan_.skip_numbers();  // a third coordinate
         } else if (keyword == "f") {
             read_face();
         } else if (std::find(kNoShape.begin(), kNoShape.end(), keyword) == kNoShape.end()) {
@@ -88,7 +94,7 @@ private:
             left.remove_prefix(slash + 1);
         }
         Corner corner{resolve(part[0], soup_.vertices.size(), word)};
-        if (!part[1].empty()) parse_index(part[1], word);  // texture
+        if (!part[1].empty()) corner.texture = resolve_texture(part[1], word);
         if (!part[2].empty()) corner.normal = resolve(part[2], normals_.size(), word);
         return corner;
     }
@@ -101,6 +107,12 @@ private:
         if (-index > count)
             scan_.fail(fmt::format("{} counts back beyond the {} so far", index, count));
         return count + index;
+    }
+
+    /// Where no texture coordinates have come yet, there is nothing to count back from.
+    std::int64_t resolve_texture(std::string_view text, std::string_view word) const {
+        return uvs_.empty() && parse_index(text, word) < 0 ? kNone
+                                                           : resolve(text, uvs_.size(), word);
     }
 
     std::int64_t parse_index(std::string_view text, std::string_view word) const {
@@ -118,6 +130,9 @@ private:
         for (std::size_t f = 0; f < faces_.size(); ++f)
             for (std::size_t c = faces_[f].first_corner; c < end_of_face(f); ++c) {
                 check(corners_[c].vertex, soup_.vertices.size(), "vertex", "vertices", f);
+                if (corners_[c].texture != kNone && !uvs_.empty())
+                    check(corners_[c].texture, uvs_.size(), "texture coordinate",
+                          "texture coordinates", f);
                 if (corners_[c].normal != kNone)
                     check(corners_[c].normal, normals_.size(), "normal", "normals", f);
             }
@@ -162,8 +177,17 @@ private:
                 soup_.polygons[f].push_back(static_cast<std::uint32_t>(corners_[c].vertex));
     }
 
+    void build_uvs() {
+        for (const Corner& corner : corners_) {
+            const bool has = corner.texture != kNone;
+            soup_.uvs.push_back(has ? uvs_[static_cast<std::size_t>(corner.texture)] : Vec2(0));
+            soup_.corners_without_uv += !has;
+        }
+    }
+
     TextScanner scan_;
     PolygonSoup soup_;
+    std::vector<Vec2> uvs_;
     std::vector<Vec3> normals_;
     std::vector<Corner> corners_;  // of all faces, one after the other
     std::vector<Face> faces_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Bytes of a PLY file in, polygons out. The header says which elements follow with which
-// properties; "vertex" (x y z, perhaps nx ny nz) and "face" (a list vertex_indices) are kept,
-// everything else is read and forgotten. Two sources of values, text and bytes, serve one loop.
+// properties; "vertex" (x y z, perhaps nx ny nz and texture coordinates) and "face" (a list
+// vertex_indices, perhaps a list texcoord of two numbers a corner, as MeshLab writes it, which goes
+// before those of the vertices) are kept, everything else is read and forgotten. Two sources of
+// values, text and bytes, serve one loop.
 
 #include <fmt/format.h>
 
@@ -11,6 +13,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "common/geometry/byte_cursor.h"
@@ -119,11 +122,12 @@ public:
                 skip(element);
         }
         values_.end_file();
+        if (soup_.uvs.empty() && !vertex_uvs_.empty()) spread_vertex_uvs();
         return std::move(soup_);
     }
 
 private:
-    static constexpr std::size_t kIgnored = 6;  // the slot after x y z nx ny nz
+    static constexpr std::size_t kUvSlot = 6, kIgnored = 8;  // after x y z nx ny nz, and u v
 
     [[noreturn]] void fail(const PlyElement& element, const std::string& message) const {
         throw InputError(
@@ -165,6 +169,7 @@ private:
         const bool normals = element.find("nx") && element.find("ny") && element.find("nz");
         soup_.vertices.reserve(element.count);
         if (normals) soup_.normals.reserve(element.count);
+        const bool uvs = std::ranges::count(slots, kUvSlot) > 0;
         for (std::size_t i = 0; i < element.count; ++i) {
             std::array<float, kIgnored> v{};
             values_.begin_item(element, i);
@@ -177,12 +182,13 @@ private:
             values_.end_item();
             soup_.vertices.emplace_back(v[0], v[1], v[2]);
             if (normals) soup_.normals.emplace_back(v[3], v[4], v[5]);
+            if (uvs) vertex_uvs_.emplace_back(v[kUvSlot], v[kUvSlot + 1]);
         }
     }
 
     /// For each property of a vertex the place where its value goes.
     std::vector<std::size_t> vertex_slots(const PlyElement& element) const {
-        constexpr std::array<std::string_view, kIgnored> kNames = {"x", "y", "z", "nx", "ny", "nz"};
+        constexpr std::array<std::string_view, kUvSlot> kNames = {"x", "y", "z", "nx", "ny", "nz"};
         std::vector<std::size_t> slots(element.properties.size(), kIgnored);
         for (std::size_t slot = 0; slot < kNames.size(); ++slot) {
             const auto p = element.find(kNames[slot]);
@@ -193,7 +199,22 @@ private:
                 fail(element, fmt::format("expected a number '{}', got a list", kNames[slot]));
             slots[*p] = slot;
         }
+        find_uv_slots(element, slots);
         return slots;
+    }
+
+    /// Texture coordinates go by many names: Blender's, MeshLab's, Assimp's.
+    static void find_uv_slots(const PlyElement& element, std::vector<std::size_t>& slots) {
+        constexpr std::pair<std::string_view, std::string_view> kPairs[] = {
+            {"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
+        for (const auto& [first, second] : kPairs) {
+            const auto u = element.find(first), v = element.find(second);
+            if (!u || !v || element.properties[*u].count_type || element.properties[*v].count_type)
+                continue;
+            slots[*u] = kUvSlot;
+            slots[*v] = kUvSlot + 1;
+            return;
+        }
     }
 
     void read_faces(const PlyElement& element) {
@@ -202,15 +223,20 @@ private:
         if (!corners || !element.properties[*corners].count_type)
             fail(element, "expected a list 'vertex_indices'");
         check_count(element, *corners);
+        std::size_t texcoord = element.find("texcoord").value_or(kNoList);
+        if (texcoord != kNoList && !element.properties[texcoord].count_type) texcoord = kNoList;
         soup_.polygons.reserve(element.count);
         for (std::size_t i = 0; i < element.count; ++i) {
             values_.begin_item(element, i);
             for (std::size_t p = 0; p < element.properties.size(); ++p) {
                 if (p == *corners)
                     read_polygon(element.properties[p]);
+                else if (p == texcoord)
+                    read_texcoord(element.properties[p]);
                 else
                     skip(element.properties[p]);
             }
+            if (texcoord != kNoList) append_texcoord();
             values_.end_item();
         }
     }
@@ -230,11 +256,38 @@ private:
         }
     }
 
+    void read_texcoord(const PlyProperty& list) {
+        texcoord_.clear();
+        const double items = values_.value(*list.count_type);
+        for (double i = 0; i < items; ++i)
+            texcoord_.push_back(static_cast<float>(values_.value(list.type)));
+    }
+
+    /// Those of the polygon just read; an empty list stands for none.
+    void append_texcoord() {
+        const std::size_t corners = soup_.polygons.back().size();
+        if (!texcoord_.empty() && texcoord_.size() != 2 * corners)
+            values_.fail(fmt::format("expected {} texture coordinates for {} corners, got {}",
+                                     2 * corners, corners, texcoord_.size()));
+        if (texcoord_.empty()) soup_.corners_without_uv += corners;
+        texcoord_.resize(2 * corners);
+        for (std::size_t c = 0; c < corners; ++c)
+            soup_.uvs.emplace_back(texcoord_[2 * c], texcoord_[2 * c + 1]);
+    }
+
+    void spread_vertex_uvs() {
+        for (const auto& polygon : soup_.polygons)
+            for (const std::uint32_t v : polygon)  // whether it is in range is asked later
+                soup_.uvs.push_back(v < vertex_uvs_.size() ? vertex_uvs_[v] : Vec2(0));
+    }
+
     static constexpr std::size_t kNoList = std::numeric_limits<std::size_t>::max();
 
     const std::string& file_;
     Values values_;
     PolygonSoup soup_;
+    std::vector<Vec2> vertex_uvs_;  // [vertex] or empty
+    std::vector<float> texcoord_;   // of the face just read
 };
 
 }  // namespace

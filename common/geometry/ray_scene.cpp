@@ -58,12 +58,13 @@ Crossings cross(const UnitShape& shape, DVec3 origin, DVec3 direction) {
     return {true, {t_middle - half, t_middle + half}};
 }
 
-Vec3 surface_point(const UnitShape& shape, DVec3 origin, DVec3 direction, double t) {
-    DVec3 p = shape.to_object_linear * (origin + t * direction) + shape.to_object_translation;
-    if (shape.kind == UnitShape::Kind::sphere)
-        p = glm::normalize(p);
-    else
-        p.z = 0;
+// Of the unit sphere or disc, in its own space.
+DVec3 surface_point(const UnitShape& shape, DVec3 origin, DVec3 direction, double t) {
+    const DVec3 p = shape.to_object_linear * (origin + t * direction) + shape.to_object_translation;
+    return shape.kind == UnitShape::Kind::sphere ? glm::normalize(p) : DVec3(p.x, p.y, 0);
+}
+
+Vec3 to_world(const UnitShape& shape, DVec3 p) {
     return Vec3(glm::dmat3(shape.to_world.linear) * p + DVec3(shape.to_world.translation));
 }
 
@@ -242,6 +243,10 @@ struct RayScene::Impl {
         Hit hit{found.ray.tfar, found.hit.geomID, {}, triangle_normal(mesh, found.hit.primID), {}};
         hit.position = w * mesh.vertices[t[0]] + u * mesh.vertices[t[1]] + v * mesh.vertices[t[2]];
         hit.n = hit.n_g;
+        if (!mesh.corner_uvs.empty()) {
+            const Vec2* uv = &mesh.corner_uvs[3 * std::size_t(found.hit.primID)];
+            hit.uv = w * uv[0] + u * uv[1] + v * uv[2];
+        }
         if (!mesh.corner_normals.empty()) {
             const Vec3* n = &mesh.corner_normals[3 * std::size_t(found.hit.primID)];
             hit.n = glm::normalize(w * n[0] + u * n[1] + v * n[2]);
@@ -257,9 +262,11 @@ struct RayScene::Impl {
             std::abs(crossings.t[0] - found.ray.tfar) <= std::abs(crossings.t[1] - found.ray.tfar)
                 ? crossings.t[0]
                 : crossings.t[1];
-        const Vec3 x = surface_point(shape, DVec3(ray.origin), DVec3(ray.direction), t);
+        const DVec3 p = surface_point(shape, DVec3(ray.origin), DVec3(ray.direction), t);
+        const Vec3 x = to_world(shape, p);
         const Vec3 n = surface_normal(shape, x);
-        return {found.ray.tfar, found.hit.geomID, x, n, n};
+        const Vec2 uv = shape.kind == UnitShape::Kind::sphere ? sphere_uv(p) : disc_uv(p);
+        return {found.ray.tfar, found.hit.geomID, x, n, n, uv};
     }
 
     std::optional<Hit> intersect_planes(const Ray& ray, float length) const {
@@ -270,7 +277,8 @@ struct RayScene::Impl {
             if (!(t > 0 && t <= (nearest ? nearest->t : length))) continue;
             DVec3 x = DVec3(ray.origin) + t * DVec3(ray.direction);
             x -= glm::dot(x - DVec3(plane.point), DVec3(plane.normal)) * DVec3(plane.normal);
-            nearest = Hit{float(t), object, Vec3(x), plane.normal, plane.normal};
+            nearest =
+                Hit{float(t), object, Vec3(x), plane.normal, plane.normal, plane_uv(plane, x)};
         }
         return nearest;
     }

@@ -18,7 +18,7 @@ struct Hit {
     Vec3 position;         ///< on the surface, mm
     Vec3 n_g;              ///< geometric normal, unit, outward
     Vec3 n;                ///< shading normal, unit, outward
-    Vec2 uv{0};            ///< texture coordinates; see surface_uv() for spheres and discs
+    Vec2 uv{0};            ///< texture coordinates: the mesh's (0 without), sphere_uv() and so on
 };
 
 /// A segment to be tested for obstacles.

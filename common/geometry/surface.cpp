@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/geometry/surface.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace tallow {
@@ -8,6 +11,17 @@ namespace tallow {
 Affine compose(const Affine& outer, const Affine& inner) {
     return {outer.linear * inner.linear, outer.linear * inner.translation + outer.translation};
 }
+
+namespace {
+
+/// A corner of a face of the cube, as seen from outside with y, or for the faces across it -z and
+/// z, pointing up.
+Vec2 cube_uv(Vec3 corner, Vec3 n) {
+    const Vec3 up = n.y == 0 ? Vec3(0, 1, 0) : Vec3(0, 0, -n.y);
+    return Vec2(glm::dot(corner, glm::cross(up, n)), glm::dot(corner, up)) + 0.5f;
+}
+
+}  // namespace
 
 TriangleMesh cube_mesh(const Affine& to_world) {
     TriangleMesh mesh;
@@ -20,6 +34,9 @@ TriangleMesh cube_mesh(const Affine& to_world) {
         mesh.triangles.push_back({q[0], q[1], q[2]});
         mesh.triangles.push_back({q[0], q[2], q[3]});
     }
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::uint32_t v : mesh.triangles[t])
+            mesh.corner_uvs.push_back(cube_uv(mesh.vertices[v], triangle_normal(mesh, t)));
     return transform_mesh(std::move(mesh), to_world);
 }
 
@@ -30,8 +47,24 @@ TriangleMesh transform_mesh(TriangleMesh mesh, const Affine& to_world) {
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
         for (std::size_t i = 0; i + 2 < mesh.corner_normals.size(); i += 3)
             std::swap(mesh.corner_normals[i + 1], mesh.corner_normals[i + 2]);
+        for (std::size_t i = 0; i + 2 < mesh.corner_uvs.size(); i += 3)
+            std::swap(mesh.corner_uvs[i + 1], mesh.corner_uvs[i + 2]);
     }
     return mesh;
+}
+
+Vec2 sphere_uv(DVec3 p) {
+    using std::numbers::pi;
+    return Vec2(0.5 + std::atan2(p.x, p.z) / (2 * pi),
+                0.5 + std::asin(std::clamp(p.y, -1.0, 1.0)) / pi);
+}
+
+Vec2 disc_uv(DVec3 p) { return Vec2(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y); }
+
+Vec2 plane_uv(const PlaneSurface& plane, DVec3 x) {
+    const Frame frame = make_frame(plane.normal);
+    const DVec3 way = x - DVec3(plane.point);
+    return Vec2(glm::dot(way, DVec3(frame.s)), glm::dot(way, DVec3(frame.t)));
 }
 
 }  // namespace tallow

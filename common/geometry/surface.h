@@ -44,7 +44,19 @@ struct PlaneSurface {
 /// What one object of the scene is, in world space and mm.
 using Surface = std::variant<TriangleMesh, SphereSurface, DiscSurface, PlaneSurface>;
 
-/// The cube [-1/2, 1/2]^3 under `to_world`, twelve triangles, flat.
+/// Texture coordinates of a point of the unit sphere: longitude / 2 pi and latitude / pi, both from
+/// 0 to 1, with the pole (v = 1) at +y, the middle of a picture at +z and its borders at -z.
+Vec2 sphere_uv(DVec3 p);
+
+/// Of a point of the unit disc: 0 to 1 along its diameters x and y.
+Vec2 disc_uv(DVec3 p);
+
+/// Of a point of a plane: mm from its point, along the axes of make_frame(normal); x and -z for a
+/// floor, x and y for a wall that faces +z.
+Vec2 plane_uv(const PlaneSurface& plane, DVec3 x);
+
+/// The cube [-1/2, 1/2]^3 under `to_world`, twelve triangles, flat. Each face has uvs from 0 to 1,
+/// a picture upright on the sides; its upper border lies at -z on the top, at +z on the bottom.
 TriangleMesh cube_mesh(const Affine& to_world);
 
 /// `mesh` under `to_world`; a mirroring transform turns the triangles so that they face outward.

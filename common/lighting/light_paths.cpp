@@ -109,8 +109,7 @@ std::optional<LightPaths::Reflection> LightPaths::meet(const Hit& hit, Vec3 w_o,
         Overloaded{
             [&](const SubsurfaceMaterial& body) {
                 const float T = exit_factor(*factors_[index], cos_o);
-                const Rgb tint = map(body.albedo.at(texture_point(scene_, hit)),
-                                     [](float a) { return std::sqrt(a); });
+                const Rgb tint = surface_tint(scene_, body.albedo, hit);
                 if (walk.reflections < bounces_)
                     walk.bodies.push_back({walk.receiver, hit.object, hit.position, hit.n, w_o,
                                            kInvPi * T * tint * walk.throughput});

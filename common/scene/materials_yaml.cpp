@@ -17,6 +17,12 @@ namespace {
 using MaterialKind = decltype(Material::kind);
 using ModelName = decltype(kModels)::value_type;
 
+/// What reading one material needs besides its map.
+struct Context {
+    const LengthReader& lengths;
+    const std::vector<NamedTexture>& textures;
+};
+
 constexpr const char* kChannels[] = {"red", "green", "blue"};
 
 // Glass to air is 1.5, diamond 2.4. Below 1 the boundary would reflect totally from outside, which
@@ -147,32 +153,34 @@ std::pair<Switch, Connection> read_single_scattering(const YamlMap& map) {
                          kAuto);
 }
 
-MaterialKind read_subsurface(const YamlMap& map, const LengthReader& lengths) {
+MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     map.allow_only({"type", "preset", "dilution", "sigma_a", "sigma_s_prime", "sigma_s",
                     "diffuse_color", "mean_free_path", "g", "eta", "model", "single_scattering",
-                    "exit", "surface"});
+                    "exit", "surface", "albedo"});
     SubsurfaceMaterial material;
     material.model = read_model(map);
-    material.medium = read_any_medium(map, material.model, lengths);
+    material.medium = read_any_medium(map, material.model, context.lengths);
     // One choice so far; read all the same, so that a scene made for another is not misread.
     map.choice_or("surface", {{"smooth", 0}}, 0);
     material.exit = map.choice_or(
         "exit", {{"normalized", Exit::normalized}, {"classic", Exit::classic}}, material.exit);
     std::tie(material.single_scattering, material.connection) = read_single_scattering(map);
+    if (map.has("albedo")) material.albedo = read_surface_color(map, "albedo", context.textures);
     return material;
 }
 
-MaterialKind read_diffuse(const YamlMap& map, const LengthReader&) {
+MaterialKind read_diffuse(const YamlMap& map, const Context& context) {
     map.allow_only({"type", "reflectance"});
-    return DiffuseMaterial{map.rgb("reflectance", kZeroToOne)};
+    return DiffuseMaterial{read_surface_color(map, "reflectance", context.textures)};
 }
 
-MaterialKind read_plastic(const YamlMap& map, const LengthReader&) {
+MaterialKind read_plastic(const YamlMap& map, const Context& context) {
     map.allow_only({"type", "reflectance", "eta"});
-    return PlasticMaterial{map.rgb("reflectance", kZeroToOne), map.number_or("eta", kIndex, 1.5f)};
+    return PlasticMaterial{read_surface_color(map, "reflectance", context.textures),
+                           map.number_or("eta", kIndex, 1.5f)};
 }
 
-MaterialKind read_mirror(const YamlMap& map, const LengthReader&) {
+MaterialKind read_mirror(const YamlMap& map, const Context&) {
     map.allow_only({"type", "reflectance"});
     return MirrorMaterial{map.rgb_or("reflectance", kZeroToOne, Rgb(1))};
 }
@@ -191,8 +199,10 @@ Medium read_medium(const YamlMap& map) {
     return medium;
 }
 
-std::vector<Material> read_materials(const YamlNode& section, const LengthReader& lengths) {
-    using Reader = MaterialKind (*)(const YamlMap&, const LengthReader&);
+std::vector<Material> read_materials(const YamlNode& section, const LengthReader& lengths,
+                                     const std::vector<NamedTexture>& textures) {
+    using Reader = MaterialKind (*)(const YamlMap&, const Context&);
+    const Context context{lengths, textures};
     std::vector<Material> materials;
     for (const YamlEntry& entry : YamlMap(section, "materials").entries()) {
         require_name(entry.key_where, entry.key);
@@ -201,7 +211,7 @@ std::vector<Material> read_materials(const YamlNode& section, const LengthReader
                                                       {"diffuse", read_diffuse},
                                                       {"plastic", read_plastic},
                                                       {"mirror", read_mirror}});
-        materials.push_back({entry.key, read(map, lengths)});
+        materials.push_back({entry.key, read(map, context)});
     }
     return materials;
 }

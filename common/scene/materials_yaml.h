@@ -5,6 +5,7 @@
 
 #include "common/scene/geometry_yaml.h"
 #include "common/scene/scene.h"
+#include "common/scene/textures_yaml.h"
 #include "common/scene/yaml_map.h"
 
 namespace tallow {
@@ -14,7 +15,8 @@ namespace tallow {
 Medium read_medium(const YamlMap& map);
 
 /// The `materials` section: a map from name to material, in file order. `lengths` converts the mean
-/// free paths; coefficients are in 1/mm in every scene.
-std::vector<Material> read_materials(const YamlNode& section, const LengthReader& lengths);
+/// free paths; coefficients are in 1/mm in every scene. `textures` are those that it may name.
+std::vector<Material> read_materials(const YamlNode& section, const LengthReader& lengths,
+                                     const std::vector<NamedTexture>& textures);
 
 }  // namespace tallow

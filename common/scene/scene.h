@@ -109,8 +109,8 @@ struct Settings {
 };
 
 /// Everything a scene file says, validated: indices in range, numbers finite and in their domain,
-/// lengths in mm, angles in radians. At least one camera. What lights need of files is read;
-/// objects name theirs.
+/// lengths in mm, angles in radians. At least one camera. What lights and textures need of files is
+/// read; meshes of objects are named, not yet read.
 struct Scene {
     std::filesystem::path file;
     /// Where the world's origin lies in the file's coordinates, mm. Everything else is relative to
@@ -132,6 +132,16 @@ int indirect_bounces(const Scene& scene);
 
 /// Where a hit lies in the textures of its object.
 TexturePoint texture_point(const Scene& scene, const Hit& hit);
+
+/// The texture of a material, or null.
+const Texture* texture_of(const Material& material);
+
+/// What the texture says where a surface is hit; 1 for one without.
+Rgb texture_value(const Scene& scene, const Hit& hit);
+
+/// What light through a body's surface is multiplied with, on its way in and again on its way out:
+/// the square root of the body's albedo there.
+Rgb surface_tint(const Scene& scene, const SurfaceColor& albedo, const Hit& hit);
 
 /// The subsurface material of an object, or null for an opaque one.
 inline const SubsurfaceMaterial* subsurface(const Scene& scene, std::size_t object) {

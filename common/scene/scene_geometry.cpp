@@ -34,6 +34,22 @@ void require_closed(const Object& object, const std::string& file, const RepairR
                     object.where, file, report.boundary));
 }
 
+void require_uvs(const Scene& scene, const Object& object, const std::string& file,
+                 const PolygonSoup& soup) {
+    const Material& material = scene.materials[object.material];
+    const Texture* texture = texture_of(material);
+    if (texture == nullptr || texture->coordinates != Texture::Coordinates::uv) return;
+    if (!soup.uvs.empty() && soup.corners_without_uv == 0) return;
+    const std::string corners = soup.uvs.empty()
+                                    ? "this mesh has"
+                                    : fmt::format("{} of this mesh's {} corners have",
+                                                  soup.corners_without_uv, soup.uvs.size());
+    throw InputError(
+        fmt::format("{}: {}: {} no texture coordinates, which the texture of material '{}' "
+                    "needs; give the texture 'coordinates: object'",
+                    object.where, file, corners, material.name));
+}
+
 class SurfaceLoader {
 public:
     SurfaceLoader(const Scene& scene, SceneGeometry& geometry, Stats& stats)
@@ -77,6 +93,7 @@ private:
         const PolygonSoup soup = read_polygon_soup(shape.file);
         geometry_.mesh_hash.back() = hash_file(shape.file);
         load_timer.stop();
+        require_uvs(scene_, object, name, soup);
         const PhaseTimer repair_timer(stats_, "repair");
         RepairedMesh repaired = repair_mesh(soup, shape.normals, name);
         if (subsurface(scene_, index) != nullptr) require_closed(object, name, repaired.report);

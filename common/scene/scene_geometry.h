@@ -20,7 +20,8 @@ struct SceneGeometry {
 /// Reads and repairs the meshes, applies transforms and units. Adds to the phases load and repair.
 ///
 /// Throws   InputError for what mesh_io refuses, and for a translucent object that encloses no
-///          volume: an open mesh (its boundary is named) or a disc.
+///          volume: an open mesh (its boundary is named) or a disc; and for a mesh without the uvs
+///          that its texture needs.
 SceneGeometry load_geometry(const Scene& scene, Stats& stats);
 
 }  // namespace tallow

@@ -66,12 +66,17 @@ Scene read_scene(YamlNode root, const std::filesystem::path& file,
     for (const std::string& override_text : overrides) apply_override(root, override_text);
 
     const YamlMap map(root, "scene");
-    map.allow_only({"unit", "cameras", "materials", "objects", "lights", "groups", "settings"});
+    map.allow_only(
+        {"unit", "cameras", "textures", "materials", "objects", "lights", "groups", "settings"});
     Scene scene;
     scene.file = file;
     scene.mm_per_unit = read_unit(map);
     LengthReader lengths{scene.mm_per_unit};
-    if (map.has("materials")) scene.materials = read_materials(map.at("materials"), lengths);
+    std::vector<NamedTexture> textures;
+    if (map.has("textures"))
+        textures = read_textures(map.at("textures"), file.parent_path(), lengths);
+    if (map.has("materials"))
+        scene.materials = read_materials(map.at("materials"), lengths, textures);
     if (map.has("objects")) {
         PlacedObjects placed =
             read_objects(map.list("objects"), scene.materials, file.parent_path(), lengths);

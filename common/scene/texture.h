@@ -16,7 +16,7 @@ struct TexturePoint {
     Vec3 object_position{0};  ///< mm, in the object's own space
 };
 
-/// Two colours in squares (of uv) or cubes (of object space).
+/// Two colours in squares (of uv) or cubes (of object space), two squares a period.
 struct CheckerTexture {
     Rgb even, odd;
 };
@@ -36,6 +36,7 @@ struct Texture {
     Vec3 period{1};
 };
 
+/// The colour at a point. Not filtered: who needs a mean over a pixel or a cell looks up often.
 Rgb look_up(const Texture& texture, const TexturePoint& point);
 
 /// A constant colour, or one times a texture.

@@ -83,6 +83,23 @@ std::string binary_ply(std::endian order) {
     return bytes;
 }
 
+const std::string kObjUvs = "vt 0 0\nvt 1 .5\nvt -3 7e2\nf 1/1 2/-1 3/2\nf 2/1 3/1 4\n";
+
+std::string textured_ply() {
+    std::string bytes =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nproperty float s\nproperty float t\nelement face 2\n"
+        "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n";
+    for (int i = 0; i < 15; ++i) bytes += bytes_of(static_cast<float>(i * i % 7));
+    for (const int corners : {3, 0}) {
+        bytes += bytes_of(std::uint8_t{3});
+        for (const int v : {0, 1, 2}) bytes += bytes_of(v);
+        bytes += bytes_of(static_cast<std::uint8_t>(2 * corners));
+        for (int i = 0; i < 2 * corners; ++i) bytes += bytes_of(0.25f * static_cast<float>(i));
+    }
+    return bytes;
+}
+
 // Two triangles that share an edge: four different corners.
 const std::vector<Vec3> kFourCorners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5f}};
 const Polygons kTwoTriangles = {{0, 1, 2}, {2, 1, 3}};
@@ -345,10 +362,11 @@ std::string mutate(std::string bytes, const std::string& other, std::uint64_t se
 // 300 mutants of each file; the allowed outcomes are a sound soup or InputError.
 TEST(MeshIo, SurvivesMutatedFiles) {
     const std::vector<std::pair<std::string, std::string>> files = {
-        {"fuzz.off", kOff},        {"fuzz.obj", kObj},
-        {"fuzz.ply", kAsciiPly},   {"fuzz.ply", binary_ply(std::endian::little)},
-        {"fuzz.stl", kAsciiStl},   {"fuzz.ply", binary_ply(std::endian::big)},
-        {"fuzz.stl", binary_stl()}};
+        {"fuzz.off", kOff},          {"fuzz.obj", kObj},
+        {"fuzz.ply", kAsciiPly},     {"fuzz.ply", binary_ply(std::endian::little)},
+        {"fuzz.stl", kAsciiStl},     {"fuzz.ply", binary_ply(std::endian::big)},
+        {"fuzz.stl", binary_stl()},  {"fuzz.obj", kObj + kObjUvs},
+        {"fuzz.ply", textured_ply()}};
     std::size_t accepted = 0, refused = 0;
     for (std::size_t f = 0; f < files.size(); ++f)
         for (std::uint64_t i = 0; i < 300; ++i) {
@@ -358,6 +376,8 @@ TEST(MeshIo, SurvivesMutatedFiles) {
                 const PolygonSoup soup = parse(name, mutate(bytes, other, 1000 * f + i));
                 for (const auto& polygon : soup.polygons)
                     for (const std::uint32_t v : polygon) ASSERT_LT(v, soup.vertices.size());
+                for (const Vec2 uv : soup.uvs)
+                    ASSERT_TRUE(std::isfinite(uv.x) && std::isfinite(uv.y));
                 ++accepted;
             } catch (const InputError&) {
                 ++refused;

@@ -45,12 +45,14 @@ TEST(SceneErrors, Syntax) {
         {"materials: &m {a: *m}\n",
          "scene.yaml:2:19: an alias may not refer to the list or map that it is in"},
         {"foo: 1\n",
-         "scene.yaml:2:1: foo: unknown key, expected one of unit, cameras, materials, objects, "
+         "scene.yaml:2:1: foo: unknown key, expected one of unit, cameras, textures, materials, "
+         "objects, "
          "lights, groups, settings"},
         {"lihgts: []\n", "scene.yaml:2:1: lihgts: unknown key, did you mean 'lights'?"},
         {"units: mm\n", "scene.yaml:2:1: units: unknown key, did you mean 'unit'?"},
         {"\"line\\nbreak\": 1\n",
-         "scene.yaml:2:1: line?break: unknown key, expected one of unit, cameras, materials, "
+         "scene.yaml:2:1: line?break: unknown key, expected one of unit, cameras, textures, "
+         "materials, "
          "objects, lights, groups, settings"},
         {"materials: [1, 2]\n", "scene.yaml:2:12: materials: expected a map, got a list of 2"},
         {"materials:\n", "scene.yaml:2:1: materials: expected a map, got nothing"},
@@ -85,7 +87,8 @@ TEST(SceneErrors, Materials) {
         {"a: {type: diffuse, reflectance: 0.5x}",
          "scene.yaml:2:45: reflectance: expected a number in [0, 1], got '0.5x'"},
         {"a: {type: diffuse, reflectance: }",
-         "scene.yaml:2:32: reflectance: expected a number or three [r, g, b], got nothing"},
+         "scene.yaml:2:32: reflectance: expected a number, three [r, g, b] or {texture: NAME}, got "
+         "nothing"},
         {"a: {type: diffuse, reflectence: 1}",
          "scene.yaml:2:32: reflectence: unknown key, did you mean 'reflectance'?"},
         {"a: {type: mirror, eta: 1.5}",

@@ -202,6 +202,54 @@ TEST(SceneFingerprint, SeesLights) {
               (Keys{"lights", "lights[2].type", "lights[2].radiance", "lights[2].group"}));
 }
 
+SubsurfaceMaterial& wax(TestScene& t) {
+    return std::get<SubsurfaceMaterial>(t.scene.materials[0].kind);
+}
+
+/// The value of one pair when the wax has this texture.
+std::string pair_with(const Texture& texture, const std::string& key) {
+    for (const auto& [k, value] : fingerprint_after(
+             [&](TestScene& t) { wax(t).albedo.texture = std::make_shared<Texture>(texture); }))
+        if (k == "objects[0]." + key) return value;
+    return "";
+}
+
+TEST(SceneFingerprint, SeesTheAlbedoOfTranslucentBodies) {
+    EXPECT_EQ(changed_keys([](TestScene& t) { wax(t).albedo = Rgb(1, 0.5f, 1); }),
+              Keys{"objects[0].albedo"});
+    Texture checker{CheckerTexture{Rgb(1), Rgb(0.5f)}, Texture::Coordinates::object, {3, 4, 5}};
+    EXPECT_EQ(changed_keys([&](TestScene& t) {
+                  wax(t).albedo.texture = std::make_shared<Texture>(checker);
+              }),
+              (Keys{"objects[0].albedo", "objects[0].albedo.even", "objects[0].albedo.odd",
+                    "objects[0].albedo.coordinates", "objects[0].albedo.period"}));
+    EXPECT_EQ(pair_with(checker, "albedo.odd"), "0.5 0.5 0.5");
+    EXPECT_EQ(pair_with(checker, "albedo.coordinates"), "object");
+    EXPECT_EQ(pair_with(checker, "albedo.period"), "3 4 5");
+    // Opaque surfaces are for pass two alone.
+    EXPECT_EQ(changed_keys([&](TestScene& t) {
+                  auto& floor = std::get<DiffuseMaterial>(t.scene.materials[1].kind);
+                  floor.reflectance.texture = std::make_shared<Texture>(checker);
+              }),
+              Keys{});
+}
+
+TEST(SceneFingerprint, SeesThePixelsOfAnAlbedo) {
+    RgbImage pixels{2, 1, {Rgb(0.25f), Rgb(0.5f)}};
+    const auto image = [&] {
+        return pair_with({ImageTexture{std::make_shared<RgbImage>(pixels)}}, "albedo.image");
+    };
+    const std::string before = image();
+    EXPECT_TRUE(before.starts_with("2 x 1 xxh3:")) << before;
+    EXPECT_EQ(image(), before);
+    pixels.pixels[1].b = 0.75f;
+    EXPECT_NE(image(), before);
+    EXPECT_NE(image().substr(6), before.substr(6));
+    pixels.pixels[1].b = 0.5f;
+    std::swap(pixels.width, pixels.height);
+    EXPECT_NE(image(), before);
+}
+
 TEST(SceneFingerprint, LightSamplesAreRecordedAndNotCompared) {
     const auto change = [](TestScene& t) { t.scene.settings.light_samples = 64; };
     EXPECT_EQ(changed_keys(change), Keys{"sampling.light_samples"});

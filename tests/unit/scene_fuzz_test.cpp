@@ -53,12 +53,22 @@ std::string mutate(std::string text, Random& random) {
     return text;
 }
 
+const std::string kTexturedScene = kCamera + R"(
+textures:
+  board: {type: checker, even: [1, 0.5, 0], odd: 0.125, coordinates: object, period: [1, 2, 3]}
+  tiles: {type: checker, even: 0.5, odd: 0, period: [0.25, 4]}
+materials:
+  body: {type: subsurface, preset: marble, albedo: {texture: board}}
+  floor: {type: diffuse, reflectance: {texture: tiles, scale: [0.5, 0.25, 0]}}
+  cup: {type: plastic, reflectance: {texture: board, scale: 0.5}}
+)";
+
 TEST(SceneFuzz, MutatedScenesLoadOrAreRefused) {
     Random random(20021);
     const auto start = std::chrono::steady_clock::now();
     int loaded = 0, refused = 0;
     for (int i = 0; i < 3000; ++i) {
-        const std::string text = mutate(kFullScene, random);
+        const std::string text = mutate(i % 4 == 0 ? kTexturedScene : kFullScene, random);
         try {
             scene_of(text);
             ++loaded;
