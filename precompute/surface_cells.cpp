@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts surfaces into cells of known area: meshes by bisection, spheres and discs in their own
-// coordinates, where the area of a cell is a closed form or a smooth integral.
+// Cuts spheres and discs into cells of known area in their own coordinates, where the area of a
+// cell is a closed form or a smooth integral.
 #include "precompute/surface_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
 
@@ -12,65 +11,6 @@
 
 namespace tallow {
 namespace {
-
-// ---- triangles -----------------------------------------------------------------------------
-
-struct Corner {
-    Vec3 position;
-    Vec3 normal;
-};
-
-Corner midpoint(const Corner& a, const Corner& b) {
-    return {0.5f * (a.position + b.position), 0.5f * (a.normal + b.normal)};
-}
-
-// Longest edge of a cell in spacings. Bisected right-angled triangles then have areas between 0.71
-// and 1.41 of spacing^2.
-constexpr float kLongestEdge = 2.3784142f;  // 2^(5/4)
-
-class Bisection {
-public:
-    Bisection(float spacing, std::vector<Cell>& cells)
-        : limit2_(kLongestEdge * kLongestEdge * spacing * spacing), cells_(cells) {}
-
-    // `area` is halved exactly with each cut: the cells of a triangle sum to its area.
-    void cut(const Corner& a, const Corner& b, const Corner& c, double area) {
-        const float ab = length2(b.position - a.position);
-        const float bc = length2(c.position - b.position);
-        const float ca = length2(a.position - c.position);
-        const float longest = std::max({ab, bc, ca});
-        if (longest <= limit2_) return emit(a, b, c, area);
-        if (longest == ab) return cut_first_edge(a, b, c, area);
-        if (longest == bc) return cut_first_edge(b, c, a, area);
-        cut_first_edge(c, a, b, area);
-    }
-
-private:
-    void cut_first_edge(const Corner& a, const Corner& b, const Corner& c, double area) {
-        const Corner m = midpoint(a, b);
-        cut(a, m, c, area / 2);
-        cut(m, b, c, area / 2);
-    }
-
-    void emit(const Corner& a, const Corner& b, const Corner& c, double area) {
-        const Vec3 center = (a.position + b.position + c.position) / 3.0f;
-        cells_.push_back({center, glm::normalize(a.normal + b.normal + c.normal), float(area)});
-    }
-
-    float limit2_;
-    std::vector<Cell>& cells_;
-};
-
-std::array<Corner, 3> corners(const TriangleMesh& mesh, std::size_t t) {
-    std::array<Corner, 3> result;
-    const Vec3 flat = mesh.corner_normals.empty() ? triangle_normal(mesh, t) : Vec3(0);
-    for (std::size_t k = 0; k < 3; ++k)
-        result[k] = {mesh.vertices[mesh.triangles[t][k]],
-                     mesh.corner_normals.empty() ? flat : mesh.corner_normals[3 * t + k]};
-    return result;
-}
-
-// ---- bands and rings -----------------------------------------------------------------------
 
 // Three-point Gauss-Legendre rule on [-1, 1].
 constexpr double kNode[3] = {-0.7745966692414834, 0, 0.7745966692414834};
@@ -106,71 +46,143 @@ double mapped_area(const glm::dmat3& cofactor, double z0, double z1, double phi0
     return sum * (z1 - z0) * (phi1 - phi0) / 4;
 }
 
-}  // namespace
+// A latitude band of an ellipsoid, from z0 to z1 on the unit sphere.
+struct Band {
+    double z0, z1;
+    int cells;
+};
 
-std::vector<Cell> mesh_cells(const TriangleMesh& mesh, float spacing) {
-    // Blocks of fixed size, joined in order: the same cells for any number of threads.
-    constexpr std::size_t kBlock = 4096;
-    const std::size_t blocks = (mesh.triangles.size() + kBlock - 1) / kBlock;
-    std::vector<std::vector<Cell>> parts(blocks);
-    parallel_for(blocks, 1, [&](std::size_t block) {
-        Bisection bisection(spacing, parts[block]);
-        const std::size_t end = std::min(mesh.triangles.size(), (block + 1) * kBlock);
-        for (std::size_t t = block * kBlock; t < end; ++t) {
-            const auto [a, b, c] = corners(mesh, t);
-            bisection.cut(a, b, c, triangle_area(mesh, t));
+class Ellipsoid {
+public:
+    explicit Ellipsoid(const SphereSurface& sphere)
+        : to_world_(sphere.to_world),
+          linear_(sphere.to_world.linear),
+          cofactor_(glm::abs(glm::determinant(linear_)) * glm::inverseTranspose(linear_)),
+          stretch_(largest_stretch(linear_)) {
+        const glm::dmat3 error = glm::transpose(linear_) * linear_ / (stretch_ * stretch_);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) round_ &= std::abs(error[i][j] - (i == j)) < 1e-6;
+    }
+
+    // Bands as wide as the spacing where the map stretches most, with area / spacing^2 cells each.
+    std::vector<Band> bands(double spacing) const {
+        const int count = std::max(2, int(std::lround(std::numbers::pi * stretch_ / spacing)));
+        std::vector<Band> bands(static_cast<std::size_t>(count));
+        parallel_for(bands.size(), 16, [&](std::size_t b) {
+            const double z0 = std::cos(std::numbers::pi * double(b + 1) / count);
+            const double z1 = std::cos(std::numbers::pi * double(b) / count);
+            const double cells = band_area(z0, z1) / (spacing * spacing) + dither(b);
+            bands[b] = {z0, z1, std::max(3, int(cells))};
+        });
+        return bands;
+    }
+
+    void append(const Band& band, std::vector<Cell>& cells) const {
+        const double z = (band.z0 + band.z1) / 2, step = 2 * std::numbers::pi / band.cells;
+        for (int k = 0; k < band.cells; ++k) {
+            const DVec3 p = sphere_point(z, (k + 0.5) * step);
+            const double area = round_ ? stretch_ * stretch_ * step * (band.z1 - band.z0)
+                                       : area_between(band.z0, band.z1, k * step, (k + 1) * step);
+            cells.push_back({to_world_.point(Vec3(p)), to_world_.normal(Vec3(p)), float(area)});
         }
+    }
+
+private:
+    double band_area(double z0, double z1) const {
+        const double turn = 2 * std::numbers::pi;
+        return round_ ? stretch_ * stretch_ * turn * (z1 - z0) : area_between(z0, z1, 0, turn);
+    }
+
+    // In panels narrow enough for the quadrature.
+    double area_between(double z0, double z1, double phi0, double phi1) const {
+        const int panels = int(std::ceil((phi1 - phi0) / 0.2));
+        const double step = (phi1 - phi0) / panels;
+        double area = 0;
+        for (int k = 0; k < panels; ++k)
+            area += mapped_area(cofactor_, z0, z1, phi0 + k * step, phi0 + (k + 1) * step);
+        return area;
+    }
+
+    Affine to_world_;
+    glm::dmat3 linear_, cofactor_;
+    double stretch_;
+    bool round_ = true;
+};
+
+// A ring of a disc.
+struct Ring {
+    double r0, r1;
+    int cells;
+
+    double area() const { return std::numbers::pi * (r1 * r1 - r0 * r0); }
+};
+
+std::vector<Ring> disc_rings(double radius, double spacing) {
+    const int count = std::max(1, int(std::lround(radius / spacing)));
+    std::vector<Ring> rings;
+    for (int i = 0; i < count; ++i) {
+        Ring ring{radius * i / count, radius * (i + 1) / count, 0};
+        const double cells = ring.area() / (spacing * spacing) + dither(std::uint64_t(i));
+        ring.cells = std::max(3, int(cells));
+        rings.push_back(ring);
+    }
+    return rings;
+}
+
+// Calls append(part, cells) for all parts of a surface at once; the cells in their order.
+template <class Part, class Append>
+std::vector<Cell> append_all(const std::vector<Part>& parts, const Append& append) {
+    std::vector<std::vector<Cell>> of_part(parts.size());
+    parallel_for(parts.size(), 4, [&](std::size_t i) {
+        of_part[i].reserve(std::size_t(parts[i].cells));
+        append(parts[i], of_part[i]);
     });
     std::vector<Cell> cells;
-    for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
+    for (const std::vector<Cell>& some : of_part)
+        cells.insert(cells.end(), some.begin(), some.end());
     return cells;
 }
 
-std::vector<Cell> sphere_cells(const SphereSurface& sphere, float spacing) {
-    const glm::dmat3 linear(sphere.to_world.linear);
-    const glm::dmat3 cofactor = glm::abs(glm::determinant(linear)) * glm::inverseTranspose(linear);
-    const double step = spacing / largest_stretch(linear);  // on the unit sphere
-    const int bands = std::max(2, int(std::ceil(std::numbers::pi / step)));
+template <class Part>
+double count_cells(const std::vector<Part>& parts) {
+    double count = 0;
+    for (const Part& part : parts) count += part.cells;
+    return count;
+}
 
-    std::vector<Cell> cells;
-    for (int band = 0; band < bands; ++band) {
-        const double theta0 = std::numbers::pi * band / bands;
-        const double theta1 = std::numbers::pi * (band + 1) / bands;
-        const double z0 = std::cos(theta1), z1 = std::cos(theta0), z = (z0 + z1) / 2;
-        const double circumference = 2 * std::numbers::pi * std::sqrt(1 - z * z);
-        const int count = std::max(3, int(std::ceil(circumference * bands / std::numbers::pi)));
-        for (int k = 0; k < count; ++k) {
-            const double phi0 = 2 * std::numbers::pi * k / count;
-            const double phi1 = 2 * std::numbers::pi * (k + 1) / count;
-            const DVec3 p = sphere_point(z, (phi0 + phi1) / 2);
-            cells.push_back({sphere.to_world.point(Vec3(p)), sphere.to_world.normal(Vec3(p)),
-                             float(mapped_area(cofactor, z0, z1, phi0, phi1))});
-        }
-    }
-    return cells;
+}  // namespace
+
+std::vector<Cell> sphere_cells(const SphereSurface& sphere, float spacing) {
+    const Ellipsoid ellipsoid(sphere);
+    return append_all(ellipsoid.bands(spacing), [&](const Band& band, std::vector<Cell>& cells) {
+        ellipsoid.append(band, cells);
+    });
 }
 
 std::vector<Cell> plane_cells(const PlaneSurface& plane, float spacing) {
     const Frame frame = make_frame(plane.normal);
-    const int rings = std::max(1, int(std::ceil(plane.radius / spacing)));
-    const double width = double(plane.radius) / rings;
-    std::vector<Cell> cells;
-    for (int ring = 0; ring < rings; ++ring) {
-        const double r0 = ring * width, r1 = (ring + 1) * width;
-        const int count = ring == 0 ? 4 : int(std::ceil(std::numbers::pi * (r0 + r1) / width));
+    const auto append = [&](const Ring& ring, std::vector<Cell>& cells) {
+        const auto [r0, r1, count] = ring;
         const double angle = 2 * std::numbers::pi / count;
         // Distance of a ring sector's centroid from the centre.
         const double r = 2.0 / 3 * (r1 * r1 * r1 - r0 * r0 * r0) / (r1 * r1 - r0 * r0) *
                          std::sin(angle / 2) / (angle / 2);
-        const auto area = float(angle * (r1 * r1 - r0 * r0) / 2);
         for (int k = 0; k < count; ++k) {
             const double phi = (k + 0.5) * angle;
             const Vec3 offset =
                 float(r * std::cos(phi)) * frame.s + float(r * std::sin(phi)) * frame.t;
-            cells.push_back({plane.point + offset, plane.normal, area});
+            cells.push_back({plane.point + offset, plane.normal, float(ring.area() / count)});
         }
-    }
-    return cells;
+    };
+    return append_all(disc_rings(plane.radius, spacing), append);
+}
+
+double count_sphere_cells(const SphereSurface& sphere, float spacing) {
+    return count_cells(Ellipsoid(sphere).bands(spacing));
+}
+
+double count_plane_cells(const PlaneSurface& plane, float spacing) {
+    return count_cells(disc_rings(plane.radius, spacing));
 }
 
 }  // namespace tallow

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "common/geometry/surface.h"
@@ -14,14 +15,23 @@ struct Cell {
     float area;   // exact, mm^2
 };
 
-/// Triangles cut at their longest edge until no edge is longer than about the spacing. Small
-/// triangles come out whole. In the order of the mesh's triangles.
-std::vector<Cell> mesh_cells(const TriangleMesh& mesh, float spacing);
+/// A number in [0, 1) for each index. Rounding down x_i + dither(i) for consecutive i makes sums
+/// of integers that stay within a few units of the sums of x_i: the multiples of the golden ratio,
+/// modulo 1, fill the interval evenly.
+inline double dither(std::uint64_t index) {
+    return double((index * 0x9e3779b97f4a7c15ull) >> 11) * 0x1p-53;
+}
 
-/// Latitude bands of the unit sphere cut into cells of nearly equal size and carried to the world.
+/// Latitude bands of the unit sphere cut into cells of nearly equal size and carried to the world;
+/// area / spacing^2 of them.
 std::vector<Cell> sphere_cells(const SphereSurface& sphere, float spacing);
 
-/// Rings of the disc through which light enters a half-space. plane.radius must be finite.
+/// Rings of the disc through which light enters a half-space; area / spacing^2 cells.
+/// plane.radius must be finite.
 std::vector<Cell> plane_cells(const PlaneSurface& plane, float spacing);
+
+/// How many cells there would be.
+double count_sphere_cells(const SphereSurface& sphere, float spacing);
+double count_plane_cells(const PlaneSurface& plane, float spacing);
 
 }  // namespace tallow

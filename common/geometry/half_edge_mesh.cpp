@@ -2,7 +2,6 @@
 #include "common/geometry/half_edge_mesh.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <limits>
 
 #include "common/base/check.h"
 
@@ -40,35 +39,6 @@ HalfEdgeMesh::HalfEdgeMesh(const TriangleMesh& mesh) : impl_(std::make_unique<Im
 
 HalfEdgeMesh::~HalfEdgeMesh() = default;
 
-Components HalfEdgeMesh::components() const {
-    const Halves& mesh = impl_->mesh;
-    constexpr auto kNew = std::numeric_limits<std::uint32_t>::max();
-    Components result{std::vector<std::uint32_t>(mesh.n_faces(), kNew), {}};
-    std::vector<Halves::FaceHandle> front;
-    for (const auto seed : mesh.faces()) {
-        if (result.of_triangle[static_cast<std::size_t>(seed.idx())] != kNew) continue;
-        const auto component = static_cast<std::uint32_t>(result.closed.size());
-        result.closed.push_back(true);
-        const auto enter = [&](Halves::FaceHandle face) {
-            std::uint32_t& mark = result.of_triangle[static_cast<std::size_t>(face.idx())];
-            if (mark == kNew) front.push_back(face);
-            mark = component;
-        };
-        enter(seed);
-        while (!front.empty()) {
-            const Halves::FaceHandle face = front.back();
-            front.pop_back();
-            for (const auto h : mesh.fh_range(face)) {
-                if (h.opp().is_boundary())
-                    result.closed[component] = false;
-                else
-                    enter(h.opp().face());
-            }
-        }
-    }
-    return result;
-}
-
 HalfEdgeMesh::BoundaryLoop HalfEdgeMesh::Impl::follow(Halves::HalfedgeHandle start,
                                                       std::vector<bool>& seen) const {
     BoundaryLoop loop;
@@ -90,23 +60,6 @@ std::vector<HalfEdgeMesh::BoundaryLoop> HalfEdgeMesh::boundary_loops() const {
         if (h.is_boundary() && !seen[static_cast<std::size_t>(h.idx())])
             loops.push_back(impl_->follow(h, seen));
     return loops;
-}
-
-std::vector<Vec3> HalfEdgeMesh::vertex_normals() const {
-    const Halves& mesh = impl_->mesh;
-    std::vector<DVec3> sum(mesh.n_vertices(), DVec3(0));
-    for (const auto face : mesh.faces())
-        for (const auto h : mesh.fh_range(face)) {
-            const DVec3 out = impl_->along(h), in = -impl_->along(h.prev());
-            const DVec3 cross = glm::cross(out, in);
-            const double sine = glm::length(cross);
-            const double angle = std::atan2(sine, glm::dot(out, in));
-            sum[static_cast<std::size_t>(h.from().idx())] += angle / sine * cross;
-        }
-    std::vector<Vec3> normals(sum.size(), Vec3(0));
-    for (std::size_t v = 0; v < sum.size(); ++v)
-        if (glm::length(sum[v]) > 1e-6) normals[v] = Vec3(glm::normalize(sum[v]));
-    return normals;
 }
 
 }  // namespace tallow

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_map>
 
 #include "common/geometry/mesh_repair_steps.h"
-#include "common/geometry/position_hash.h"
+#include "common/geometry/position_table.h"
 
 namespace tallow {
 
@@ -24,19 +23,19 @@ std::vector<std::uint32_t> share_vertices(const PolygonSoup& file, std::vector<V
     for (const Polygon& polygon : file.polygons)
         for (const std::uint32_t v : polygon) used[v] = true;
     std::vector<std::uint32_t> number(file.vertices.size(), kNone);
-    std::unordered_map<Vec3, std::uint32_t, PositionHash> known;
-    known.reserve(file.vertices.size());
     vertices.reserve(file.vertices.size());
+    PositionTable known(vertices, file.vertices.size());
     for (std::size_t v = 0; v < number.size(); ++v) {
         if (!used[v]) {
             ++report.unused_vertices;
             continue;
         }
         const auto next = static_cast<std::uint32_t>(vertices.size());
-        const auto [entry, is_new] = known.try_emplace(file.vertices[v], next);
-        if (is_new) vertices.push_back(file.vertices[v]);
-        report.merged_vertices += !is_new;
-        number[v] = entry->second;
+        number[v] = known.find_or_enter(file.vertices[v], next);
+        if (number[v] == next)
+            vertices.push_back(file.vertices[v]);
+        else
+            ++report.merged_vertices;
     }
     return number;
 }

@@ -27,7 +27,7 @@ Point to_point(Vec3 p) { return {p.x, p.y, p.z}; }
 
 /// A connected component.
 struct Shell {
-    std::vector<std::size_t> triangles;
+    std::vector<std::uint32_t> triangles;
     bool closed;
     double volume = 0;  // signed: negative if the triangles face inward
     DVec3 low{std::numeric_limits<double>::infinity()}, high{-low};
@@ -35,7 +35,7 @@ struct Shell {
 
 void measure(const TriangleMesh& mesh, Shell& shell) {
     const DVec3 origin = mesh.vertices[mesh.triangles[shell.triangles[0]][0]];
-    for (const std::size_t t : shell.triangles) {
+    for (const std::uint32_t t : shell.triangles) {
         DVec3 p[3];
         for (std::size_t c = 0; c < 3; ++c) {
             p[c] = mesh.vertices[mesh.triangles[t][c]];
@@ -49,7 +49,7 @@ void measure(const TriangleMesh& mesh, Shell& shell) {
 std::vector<Shell> make_shells(const TriangleMesh& mesh, const Components& components) {
     std::vector<Shell> shells;
     for (const bool closed : components.closed) shells.push_back({{}, closed});
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
         shells[components.of_triangle[t]].triangles.push_back(t);
     for (Shell& shell : shells) measure(mesh, shell);
     return shells;
@@ -59,7 +59,7 @@ SurfaceMesh copy_shell(const TriangleMesh& mesh, const Shell& shell) {
     std::vector<Point> points;
     std::vector<Triangle> triangles;
     std::unordered_map<std::uint32_t, std::uint32_t> number;
-    for (const std::size_t t : shell.triangles) {
+    for (const std::uint32_t t : shell.triangles) {
         Triangle& copy = triangles.emplace_back();
         for (std::size_t c = 0; c < 3; ++c) {
             const std::uint32_t v = mesh.triangles[t][c];
@@ -134,7 +134,7 @@ std::vector<bool> face_outward(TriangleMesh& mesh, const Components& components,
     for (std::size_t k = 0; k < shells.size(); ++k) {
         const double outward = depth[k] % 2 == 0 ? shells[k].volume : -shells[k].volume;
         if (!shells[k].closed || outward >= 0) continue;
-        for (const std::size_t t : shells[k].triangles)
+        for (const std::uint32_t t : shells[k].triangles)
             std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
         turned[k] = true;
         ++report.flipped_components;

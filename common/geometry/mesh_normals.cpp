@@ -7,10 +7,9 @@
 
 #include <limits>
 #include <span>
-#include <unordered_map>
 #include <utility>
 
-#include "common/geometry/position_hash.h"
+#include "common/geometry/position_table.h"
 
 namespace tallow {
 
@@ -28,18 +27,17 @@ public:
     FileNormals(const TriangleMesh& mesh, const PolygonSoup& soup)
         : first_(mesh.vertices.size(), kNone), next_(soup.normals.size(), kNone) {
         if (soup.normals.empty()) return;
-        std::unordered_map<Vec3, std::uint32_t, PositionHash> at_position;
-        at_position.reserve(soup.normals.size());
+        PositionTable at_position(soup.vertices, soup.normals.size());
+        normals_.reserve(soup.normals.size());
         for (std::uint32_t i = 0; i < soup.normals.size(); ++i) {
             const DVec3 n = soup.normals[i];
             normals_.push_back(n == DVec3(0) ? Vec3(0) : Vec3(glm::normalize(n)));
             if (n == DVec3(0)) continue;
-            const auto [entry, is_new] = at_position.try_emplace(soup.vertices[i], i);
-            if (!is_new) next_[i] = std::exchange(entry->second, i);
+            const std::uint32_t first = at_position.find_or_enter(soup.vertices[i], i);
+            if (first != i) next_[i] = std::exchange(next_[first], i);
         }
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            if (const auto found = at_position.find(mesh.vertices[v]); found != at_position.end())
-                first_[v] = found->second;
+            first_[v] = at_position.find(mesh.vertices[v]);
     }
 
     /// The one nearest to the direction n; zero if there is none.
@@ -57,6 +55,23 @@ private:
     std::vector<std::uint32_t> next_;   // [vertex of the file] another at the same position
     std::vector<Vec3> normals_;         // [vertex of the file]
 };
+
+std::vector<Vec3> mean_normals(const TriangleMesh& mesh) {
+    std::vector<DVec3> sum(mesh.vertices.size(), DVec3(0));
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const DVec3 p = mesh.vertices[t[c]];
+            const DVec3 a = DVec3(mesh.vertices[t[(c + 1) % 3]]) - p;
+            const DVec3 b = DVec3(mesh.vertices[t[(c + 2) % 3]]) - p;
+            const DVec3 cross = glm::cross(a, b);
+            const double sine = glm::length(cross);
+            sum[t[c]] += std::atan2(sine, glm::dot(a, b)) / sine * cross;
+        }
+    std::vector<Vec3> normals(sum.size(), Vec3(0));
+    for (std::size_t v = 0; v < sum.size(); ++v)
+        if (glm::length(sum[v]) > 1e-6) normals[v] = Vec3(glm::normalize(sum[v]));
+    return normals;
+}
 
 /// +1, or -1 for a turned component whose file normals face mostly away from its triangles.
 std::vector<float> component_signs(const TriangleMesh& mesh, const TriangleOrigin& origin,
@@ -78,24 +93,23 @@ std::vector<float> component_signs(const TriangleMesh& mesh, const TriangleOrigi
 }  // namespace
 
 std::vector<Vec3> smooth_corner_normals(const TriangleMesh& mesh, const TriangleOrigin& origin,
-                                        const HalfEdgeMesh& half_edges, const PolygonSoup& soup) {
+                                        const PolygonSoup& soup) {
     const std::vector<Vec3> n_g = triangle_normals(mesh);
     const FileNormals file(mesh, soup);
     const std::vector<float> signs = component_signs(mesh, origin, file, n_g);
 
     std::vector<Vec3> mean;  // made when first needed: most files with normals need none
-    const auto mean_normal = [&](std::uint32_t v, bool turned) {
-        if (mean.empty()) mean = half_edges.vertex_normals();
-        return turned ? -mean[v] : mean[v];
+    const auto mean_normal = [&](std::uint32_t v) {
+        if (mean.empty()) mean = mean_normals(mesh);
+        return mean[v];
     };
     std::vector<Vec3> normals;
     normals.reserve(3 * mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (const std::uint32_t v : mesh.triangles[t]) {
-            const std::uint32_t component = origin.component[t];
-            const float sign = signs[component];
+            const float sign = signs[origin.component[t]];
             Vec3 n = sign * file.nearest(v, sign * n_g[t]);
-            if (!(glm::dot(n, n_g[t]) > 0)) n = mean_normal(v, origin.turned[component]);
+            if (!(glm::dot(n, n_g[t]) > 0)) n = mean_normal(v);
             if (!(glm::dot(n, n_g[t]) > 0)) n = n_g[t];
             normals.push_back(n);
         }

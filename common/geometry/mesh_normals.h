@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "common/geometry/half_edge_mesh.h"
 #include "common/geometry/mesh.h"
 #include "common/geometry/mesh_io.h"
 
@@ -20,8 +19,11 @@ struct TriangleOrigin {
 /// missing or faces away, the angle-weighted mean at the vertex; where even that faces away, the
 /// triangle's own. Of several normals at one position (a crease) a corner takes the nearest to its
 /// triangle's. Normals of a turned component are negated if they were meant for its old side.
-/// `half_edges` are those of the mesh before components were turned.
+///
+/// The mean is weighted by the triangles' angles at the vertex: unlike one by area it does not
+/// depend on how the surface is cut.
+/// Source: Thuermer, Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets".
 std::vector<Vec3> smooth_corner_normals(const TriangleMesh& mesh, const TriangleOrigin& origin,
-                                        const HalfEdgeMesh& half_edges, const PolygonSoup& soup);
+                                        const PolygonSoup& soup);
 
 }  // namespace tallow

@@ -28,12 +28,12 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kMostTriangles = kNone / 32;
 
 /// Numbers the vertices in the order of their first use, without those that nobody uses any more.
-TriangleMesh compact(const TriangleSoup& soup) {
+TriangleMesh compact(TriangleSoup soup) {
     TriangleMesh mesh;
     mesh.vertices.reserve(soup.vertices.size());
-    mesh.triangles.reserve(soup.triangles.size());
+    mesh.triangles = std::move(soup.triangles);
     std::vector<std::uint32_t> number(soup.vertices.size(), kNone);
-    for (Triangle triangle : soup.triangles) {
+    for (Triangle& triangle : mesh.triangles) {
         for (std::uint32_t& v : triangle) {
             if (number[v] == kNone) {
                 number[v] = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -41,22 +41,24 @@ TriangleMesh compact(const TriangleSoup& soup) {
             }
             v = number[v];
         }
-        mesh.triangles.push_back(triangle);
     }
     return mesh;
 }
 
-/// Steps 3 to 6.
-void make_manifold(TriangleSoup& soup, RepairReport& report) {
+/// Steps 3 to 6, if need be. Returns the half-edge across each.
+std::vector<std::uint32_t> make_manifold(TriangleSoup& soup, RepairReport& report) {
+    if (auto opposite = manifold_opposites(soup)) return std::move(*opposite);
     drop_duplicates(soup, report);
     drop_fins(soup, report);
     const std::vector<std::uint32_t> copy_of = orient_neighbours(soup, report);
     sew_slits(soup, copy_of, report);
-    TALLOW_CHECK(is_oriented_manifold(soup), "{} triangles after repair", soup.triangles.size());
+    auto opposite = manifold_opposites(soup);
+    TALLOW_CHECK(opposite, "{} triangles after repair", soup.triangles.size());
+    return std::move(*opposite);
 }
 
-void describe_boundary(const HalfEdgeMesh& mesh, RepairReport& report) {
-    const std::vector<HalfEdgeMesh::BoundaryLoop> loops = mesh.boundary_loops();
+void describe_boundary(const TriangleMesh& mesh, RepairReport& report) {
+    const std::vector<HalfEdgeMesh::BoundaryLoop> loops = HalfEdgeMesh(mesh).boundary_loops();
     report.boundary_loops = loops.size();
     if (loops.empty()) return;
     const auto& longest =
@@ -71,29 +73,32 @@ void describe_boundary(const HalfEdgeMesh& mesh, RepairReport& report) {
 
 }  // namespace
 
-RepairedMesh repair_mesh(const PolygonSoup& file, Normals normals, const std::string& name) {
+RepairedMesh repair_mesh(PolygonSoup file, Normals normals, const std::string& name) {
     RepairReport report;
     TriangleSoup soup = clean_soup(file, report);
+    const bool smooth =
+        normals == Normals::smooth || (normals == Normals::automatic && !file.normals.empty());
+    const bool textured = !file.uvs.empty();
+    if (!textured) file.polygons = {};  // frees more than the result takes
+    if (!smooth && !textured) file = {};
     if (soup.triangles.size() > kMostTriangles)
         throw InputError(fmt::format("{}: expected at most {} triangles, got {}", name,
                                      kMostTriangles, soup.triangles.size()));
     remove_flat_triangles(soup, report);
     if (soup.triangles.empty()) throw InputError(name + ": no face of this mesh has an area");
-    if (!is_oriented_manifold(soup)) make_manifold(soup, report);
+    std::vector<std::uint32_t> opposite = make_manifold(soup, report);
 
-    RepairedMesh result{compact(soup), {}};
-    const HalfEdgeMesh half_edges(result.mesh);
-    describe_boundary(half_edges, report);
-    const Components components = half_edges.components();
+    const std::vector<std::uint32_t> polygon = std::move(soup.polygon);
+    RepairedMesh result{compact(std::move(soup)), {}};
+    const Components components = connected_components(opposite);
     report.components = components.closed.size();
+    opposite = {};
+    if (std::ranges::count(components.closed, false) > 0) describe_boundary(result.mesh, report);
     const std::vector<bool> turned = face_outward(result.mesh, components, report);
-    const bool smooth =
-        normals == Normals::smooth || (normals == Normals::automatic && !file.normals.empty());
     if (smooth)
         result.mesh.corner_normals =
-            smooth_corner_normals(result.mesh, {components.of_triangle, turned}, half_edges, file);
-    if (!file.uvs.empty())
-        result.mesh.corner_uvs = find_corner_uvs(result.mesh, soup.polygon, file);
+            smooth_corner_normals(result.mesh, {components.of_triangle, turned}, file);
+    if (textured) result.mesh.corner_uvs = find_corner_uvs(result.mesh, polygon, file);
     result.report = std::move(report);
     return result;
 }

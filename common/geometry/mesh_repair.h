@@ -47,9 +47,9 @@ struct RepairedMesh {
 /// surface apart where more than two triangles meet in an edge, orients connected components
 /// coherently and, where closed, outward (a cavity's shell faces into the cavity), sets normals. An
 /// open mesh is not closed: the report says where it is open, and the caller decides whether that
-/// is an error.
+/// is an error. A soup that is moved in is freed as early as can be.
 ///
 /// Throws   InputError prefixed with `name` if nothing is left.
-RepairedMesh repair_mesh(const PolygonSoup& soup, Normals normals, const std::string& name);
+RepairedMesh repair_mesh(PolygonSoup soup, Normals normals, const std::string& name);
 
 }  // namespace tallow

@@ -6,6 +6,7 @@
 // but triangles. No step moves a vertex.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,10 @@ void remove_flat_triangles(TriangleSoup& soup, RepairReport& report);
 /// pass, and skip steps 3 to 6.
 bool is_oriented_manifold(const TriangleSoup& soup);
 
+/// The half-edge 3 t + c (see EdgeTable) across each, or none on a border, which is 2^32 - 1;
+/// nothing if the triangles are no oriented two-manifold.
+std::optional<std::vector<std::uint32_t>> manifold_opposites(const TriangleSoup& soup);
+
 /// Step 3: drops all but the first of the triangles over the same vertices, whatever their order;
 /// and the first too where there is one for each side and the surface is closed without them: the
 /// sides of two bodies that touch, or of a sheet that hangs on one.
@@ -79,6 +84,9 @@ struct Components {
     std::vector<std::uint32_t> of_triangle;  // [triangle] component
     std::vector<bool> closed;                // [component]
 };
+
+/// Components in the order of their first triangles, from the half-edges across each.
+Components connected_components(std::span<const std::uint32_t> opposite);
 
 /// Step 7: turns closed components to face away from the material: outward, or, inside an odd
 /// number of others, into the cavity that they bound. Returns which have been turned.

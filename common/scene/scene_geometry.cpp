@@ -90,12 +90,12 @@ private:
         const Object& object = scene_.objects[index];
         const std::string name = shape.file.string();
         PhaseTimer load_timer(stats_, "load");
-        const PolygonSoup soup = read_polygon_soup(shape.file);
+        PolygonSoup soup = read_polygon_soup(shape.file);
         geometry_.mesh_hash.back() = hash_file(shape.file);
         load_timer.stop();
         require_uvs(scene_, object, name, soup);
         const PhaseTimer repair_timer(stats_, "repair");
-        RepairedMesh repaired = repair_mesh(soup, shape.normals, name);
+        RepairedMesh repaired = repair_mesh(std::move(soup), shape.normals, name);
         if (subsurface(scene_, index) != nullptr) require_closed(object, name, repaired.report);
         if (repaired.report.changed_anything())
             geometry_.repair_reports.push_back(name + ": " + repaired.report.summary());
