@@ -19,6 +19,11 @@ Rgb direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& p
 
 }  // namespace
 
+Rgb transmitted_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
+                             int light_samples, float eta) {
+    return direct_light(scene, rays, point, light_samples, {eta});
+}
+
 Rgb reflect_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
                          int light_samples) {
     const Material& material = scene.materials[scene.objects[point.hit.object].material];

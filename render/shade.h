@@ -16,6 +16,10 @@ namespace tallow {
 Rgb reflect_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
                          int light_samples);
 
+/// Direct light that crosses the smooth surface of a body at a point, its irradiance E_t.
+Rgb transmitted_direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
+                             int light_samples, float eta);
+
 /// Colour of a material for the albedo layer: the share of light that it gives back.
 Rgb albedo(const Material& material);
 
