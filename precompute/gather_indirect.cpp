@@ -224,7 +224,11 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
     std::size_t samples = 0;
     for (SampledBody& body : bodies) {
         const SubsurfaceMaterial& material = *subsurface(scene, body.object);
-        profiles.push_back(tabulate_profiles(material.model, material.medium, Orders::all));
+        // Smoothed where samples are far apart: the control variate's irradiance is not known where
+        // paths end, and its edges do not matter to them.
+        profiles.push_back(make_exitance_kernels(material.model, material.medium, Orders::all,
+                                                 double(body.spacing))
+                               .profiles);
         const std::size_t count = body.samples.size();
         light.push_back({dark(scene.groups.size(), count), dark(scene.groups.size(), count)});
         samples += count;

@@ -28,9 +28,10 @@ constexpr int kSamplesPerPass = 16;
 // Camera rays that are held in memory at once. Chosen: many, so that neighbours meet in a band.
 constexpr std::size_t kRaysPerBand = 1 << 18;
 
-// Depths of the ray march through a body and shadow rays to each area light on opaque surfaces: so
-// many a pixel, shared by its camera rays, but at least so many each. Chosen: 64 depths leave 0.1
-// to 0.4 % of single scattering as noise (table in single_scatter.h).
+// Depths of the ray march through a body and shadow rays to each area light on opaque surfaces (and
+// on bodies whose exitance needs the irradiance): so many a pixel, shared by its camera rays, but
+// at least so many each. Chosen: 64 depths leave 0.1 to 0.4 % of single scattering as noise (table
+// in single_scatter.h).
 constexpr int kMarchStepsPerPixel = 64, kLeastMarchSteps = 4;
 constexpr int kShadowRaysPerPixel = 64, kLeastShadowRays = 1;
 
@@ -84,9 +85,14 @@ public:
                           [&](const ShadingPoint& point) { return point.hit.object == object; }));
     }
     void list_points(std::uint32_t object, ExitancePoint* points) const {
-        for (const ShadingPoint& point : hits_.points)
-            if (point.hit.object == object)
-                *points++ = {point.hit.position, point.hit.n, point.w_o};
+        const Body& body = *view_.bodies[object];
+        for (const ShadingPoint& point : hits_.points) {
+            if (point.hit.object != object) continue;
+            *points = {point.hit.position, point.hit.n, point.w_o};
+            if (body.exitance.needs_irradiance())
+                points->E_direct = view_.reflected.entering(point, *body.material, shadow_rays());
+            ++points;
+        }
     }
 
     /// Adds the exitance of a body; that of this tile's points starts at `next`.
@@ -124,11 +130,9 @@ public:
     }
 
     void add_reflected_light() {
-        const int light_samples =
-            share_of(kShadowRaysPerPixel, kLeastShadowRays, view_.scene.settings.samples);
         for (const ShadingPoint& point : hits_.points)
             if (!view_.bodies[point.hit.object])
-                add(point, &Pixel::diffuse, view_.reflected.direct(point, light_samples));
+                add(point, &Pixel::diffuse, view_.reflected.direct(point, shadow_rays()));
     }
 
     /// Follows paths from opaque surfaces; what they meet of bodies waits for its exitance.
@@ -153,6 +157,11 @@ public:
     const std::vector<Pixel>& pixels() const { return pixels_; }
 
 private:
+    // To each area light.
+    int shadow_rays() const {
+        return share_of(kShadowRaysPerPixel, kLeastShadowRays, view_.scene.settings.samples);
+    }
+
     // Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
     void add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance) {
         pixels_[point.pixel].*(point.depth == 0 ? layer : &Pixel::specular) +=
@@ -301,10 +310,10 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
         bodies[view.object].emplace(Body{
             material,
             surface_factors(*material),
-            ExitanceField(
-                lit_samples,
-                tabulate_profiles(material->model, material->medium, orders_of_exitance(*material)),
-                accuracy),
+            ExitanceField(view, lit_samples,
+                          make_exitance_kernels(material->model, material->medium,
+                                                orders_of_exitance(*material), view.spacing_mm),
+                          accuracy),
             {}});
         if (material->connection == Connection::exact)
             bodies[view.object]->connections.emplace(geometry.surfaces[view.object],

@@ -37,10 +37,15 @@ ReflectedLight::Base ReflectedLight::base_at(const ShadingPoint& point) const {
 Rgb ReflectedLight::direct(const ShadingPoint& point, int light_samples) const {
     const Base base = base_at(point);
     if (max_channel(base.factor) == 0) return {};
+    return kInvPi * base.factor * direct_irradiance(point, light_samples, base.accept);
+}
+
+Rgb ReflectedLight::direct_irradiance(const ShadingPoint& point, int light_samples,
+                                      Acceptance accept) const {
     std::vector<Rgb> E(scene_.groups.size());
     add_direct_light(scene_, rays_, {point.hit.position, point.hit.n_g, point.hit.n, point.seed},
-                     light_samples, base.accept, E);
-    return kInvPi * base.factor * scaled_sum(scene_.groups, E);
+                     light_samples, accept, E);
+    return scaled_sum(scene_.groups, E);
 }
 
 Rgb ReflectedLight::indirect(const ShadingPoint& point, int paths, std::uint32_t receiver,
@@ -67,6 +72,12 @@ Rgb ReflectedLight::indirect(const ShadingPoint& point, int paths, std::uint32_t
         sum += weight * scaled_sum(scene_.groups, L);
     }
     return sum;
+}
+
+Rgb ReflectedLight::entering(const ShadingPoint& point, const SubsurfaceMaterial& material,
+                             int light_samples) const {
+    return surface_tint(scene_, material.albedo, point.hit) *
+           direct_irradiance(point, light_samples, {material.medium.eta});
 }
 
 Rgb albedo(const Material& material) {

@@ -28,6 +28,10 @@ public:
     Rgb indirect(const ShadingPoint& point, int paths, std::uint32_t receiver,
                  std::vector<BodyVertex>& vertices) const;
 
+    /// Direct light that crosses the smooth surface of a body, its tinted irradiance E_t.
+    Rgb entering(const ShadingPoint& point, const SubsurfaceMaterial& material,
+                 int light_samples) const;
+
 private:
     /// L = factor / pi * integral of accept(cos) L_i cos dw.
     struct Base {
@@ -35,6 +39,7 @@ private:
         Acceptance accept;
     };
     Base base_at(const ShadingPoint& point) const;
+    Rgb direct_irradiance(const ShadingPoint& point, int light_samples, Acceptance accept) const;
 
     const Scene& scene_;
     const RayScene& rays_;

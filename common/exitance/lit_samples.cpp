@@ -57,6 +57,7 @@ Rgb indirect_gain(const SubsurfaceMaterial& material) {
 LitSamples light_samples(const BodyView& body, std::span<const LightGroup> groups,
                          Rgb indirect_gain) {
     const std::size_t n = body.positions.size();
+    const bool has_indirect = !body.indirect.empty() && max_channel(indirect_gain) > 0;
     LitSamples lit;
     std::vector<std::uint32_t> kept_before(n + 1);
     for (std::size_t i = 0; i < n; ++i) {
@@ -67,15 +68,18 @@ LitSamples light_samples(const BodyView& body, std::span<const LightGroup> group
             E_t += share;
             weighted_direction += mean(share) * w_i;
         };
+        Rgb E_direct;
         for (std::size_t g = 0; g < groups.size(); ++g) {
             const Rgb scale = groups[g].scale;
             add(scale * body.groups[g].E_t[i], body.groups[g].w_i[i]);
-            if (!body.indirect.empty())
+            E_direct += scale * body.groups[g].E_t[i];
+            if (has_indirect)
                 add(indirect_gain * scale * body.indirect[g].E_t[i], body.indirect[g].w_i[i]);
         }
         if (max_channel(E_t) <= 0) continue;
         lit.position.push_back(body.positions[i]);
         lit.E_t.push_back(E_t);
+        if (has_indirect) lit.E_direct.push_back(E_direct);
         lit.w_i.push_back(weighted_direction / mean(E_t));
         lit.area.push_back(body.areas[i]);
     }

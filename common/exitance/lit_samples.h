@@ -17,6 +17,10 @@ struct LitSamples {
     std::vector<Vec3> w_i;          // [sample] mean direction of travel inside, see cache_format.h
     std::vector<float> area;        // [sample] mm^2
     std::vector<OctreeNode> nodes;  // depth first; every node owns at least one sample
+    std::vector<Rgb> E_direct{};    // [sample] what of E_t comes straight from lights; empty: all
+
+    /// The part of the irradiance that shading points can gather for themselves.
+    std::span<const Rgb> direct() const { return E_direct.empty() ? E_t : E_direct; }
 };
 
 /// `groups` are the scene's, in the order of the cache's. Indirect light counts `indirect_gain`

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What users are told: the exact first line on stderr and the exit code, for flags, scenes, meshes
 // and caches that are wrong, through the programs themselves.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -120,7 +121,8 @@ TEST(BadInput, Scenes) {
             {"{shape: mesh, file: mesh.off", "{shape: plane, point: [0, 0, 0], normal: [0, 1, 0]",
              "scene.yaml:6:5: missing key 'radius'"},
             {"type: point", "type: lamp",
-             "scene.yaml:8:12: type: expected one of point, directional, spot, quad, sphere, "
+             "scene.yaml:8:12: type: expected one of point, directional, spot, quad, disc, "
+             "sphere, mesh, "
              "environment, got 'lamp'"},
             {"intensity: 100", "intensity: [1, 2, inf]",
              "scene.yaml:8:58: intensity: expected a number >= 0, got 'inf'"},
@@ -224,7 +226,7 @@ TEST(BadInput, Flags) {
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "
          "sigma_a, "
          "sigma_s_prime, sigma_s, diffuse_color, mean_free_path, g, eta, model, single_scattering, "
-         "exit, surface"},
+         "exit, surface, albedo"},
         {true, with(rendering, {"--set", "materials.wax.eta=1.4"}),
          "--set materials.wax.eta: materials has no 'wax'"},
         {true, with(rendering, {"--set", "eta"}), "--set: expected KEY=VALUE, got 'eta'"},
@@ -268,10 +270,14 @@ TEST(BadInput, Caches) {
         "bad.tallow: cut short: 20 bytes, the header alone has 40; re-run tallow-precompute");
     expect_cache_refused(
         folder, good.substr(0, good.size() - 1),
-        "bad.tallow: header: expected a file of 5248 bytes, got 5247; re-run tallow-precompute");
+        fmt::format("bad.tallow: header: expected a file of {} bytes, got {}; re-run "
+                    "tallow-precompute",
+                    good.size(), good.size() - 1));
     expect_cache_refused(
         folder, good + '\0',
-        "bad.tallow: header: expected a file of 5248 bytes, got 5249; re-run tallow-precompute");
+        fmt::format("bad.tallow: header: expected a file of {} bytes, got {}; re-run "
+                    "tallow-precompute",
+                    good.size(), good.size() + 1));
     expect_cache_refused(
         folder, with_byte(8, 3),
         "bad.tallow: format version 3, but this program reads version 2; re-run tallow-precompute");
