@@ -3,12 +3,6 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cmath>
-
-#include "common/base/errors.h"
 #include "common/cloud/cache_io.h"
 #include "common/cloud/scene_fingerprint.h"
 #include "common/geometry/ray_scene.h"
@@ -18,11 +12,6 @@
 
 namespace tallow {
 namespace {
-
-// Peak memory of pass one for one sample of a body: cell, sample, sort keys, irradiance and
-// direction of each group, tree. Measured on the bunny with two groups, as the growth of the peak
-// from 663k to 2.65M samples: 106 bytes.
-constexpr double kBytesPerSample = 150;
 
 /// What is computed for one body; owns what its BodyView points to.
 struct SampledBody {
@@ -41,50 +30,17 @@ struct SampledBody {
     }
 };
 
-float surface_extent(const Surface& surface) {
-    if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
-        Vec3 low(kInfinity), high(-kInfinity);
-        for (Vec3 v : mesh->vertices) low = glm::min(low, v), high = glm::max(high, v);
-        return glm::length(high - low);
-    }
-    if (const auto* sphere = std::get_if<SphereSurface>(&surface)) {
-        float extent = 0;
-        for (int i = 0; i < 3; ++i)
-            extent = std::max(extent, 2 * glm::length(sphere->to_world.linear[i]));
-        return extent;
-    }
-    if (const auto* plane = std::get_if<PlaneSurface>(&surface)) return 2 * plane->radius;
-    return kInfinity;
-}
-
-void require_memory(const std::string& where, double samples, float spacing) {
-    const double available = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-    const double needed = samples * kBytesPerSample;
-    if (needed < 0.8 * available && samples < 4e9) return;
-    throw InputError(fmt::format(
-        "{}: a spacing of {:.3g} mm takes about {:.3g} samples and {:.1f} GiB, more than this "
-        "machine's memory of {:.1f} GiB allows; give a larger --spacing",
-        where, spacing, samples, needed / (1 << 30), available / (1 << 30)));
-}
-
 /// Takes one body after the other through the stages of pass one.
 class BodySampler {
 public:
     BodySampler(const Scene& scene, const SceneGeometry& geometry, const RayScene& rays,
-                const PrecomputeOptions& options, Progress& progress, Stats& stats)
-        : scene_(scene),
-          geometry_(geometry),
-          rays_(rays),
-          options_(options),
-          progress_(progress),
-          stats_(stats) {}
+                Progress& progress, Stats& stats)
+        : scene_(scene), geometry_(geometry), rays_(rays), progress_(progress), stats_(stats) {}
 
-    SampledBody sample(std::uint32_t object) {
-        const Surface& surface = geometry_.surfaces[object];
-        const Medium& medium = subsurface(scene_, object)->medium;
-        SampledBody body{object, 0, surface_area(surface), {}, {}, {}};
-        body.spacing = options_.spacing.value_or(
-            automatic_spacing(medium, scene_.settings.tolerance, surface_extent(surface)));
+    SampledBody sample(const BodySpacing& chosen) {
+        const Surface& surface = geometry_.surfaces[chosen.object];
+        const Medium& medium = subsurface(scene_, chosen.object)->medium;
+        SampledBody body{chosen.object, chosen.spacing, surface_area(surface), {}, {}, {}};
         sample_points(surface, body);
         gather_light(medium, body);
         const PhaseTimer timer(stats_, "octree");
@@ -95,7 +51,6 @@ public:
 private:
     void sample_points(const Surface& surface, SampledBody& body) {
         const std::string& where = scene_.objects[body.object].where;
-        require_memory(where, body.area / (body.spacing * body.spacing), body.spacing);
         const PhaseTimer timer(stats_, "sample");
         body.samples = sample_surface(surface, body.spacing);
         progress_.note(fmt::format("{}: {} samples, {:.3g} mm apart, on {:.4g} mm^2", where,
@@ -112,7 +67,6 @@ private:
     const Scene& scene_;
     const SceneGeometry& geometry_;
     const RayScene& rays_;
-    const PrecomputeOptions& options_;
     Progress& progress_;
     Stats& stats_;
 };
@@ -143,12 +97,6 @@ void count(const CacheView& cache, Stats& stats) {
 
 }  // namespace
 
-float automatic_spacing(const Medium& medium, double tolerance, float extent) {
-    // At zero tolerance as at 0.01 %: the sampling of a surface is never exact.
-    const double scale = std::sqrt(std::max(tolerance, 1e-4) / 0.01);
-    return std::min(float(0.35 * scale * double(min_channel(medium.mean_free_path()))), extent / 5);
-}
-
 void precompute(const Scene& scene, const PrecomputeOptions& options,
                 const std::filesystem::path& cache_file, Progress& progress, Stats& stats) {
     const SceneGeometry geometry = load_geometry(scene, stats);
@@ -158,10 +106,12 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
     const RayScene rays(geometry.surfaces);
     bvh_timer.stop();
 
-    BodySampler sampler(scene, geometry, rays, options, progress, stats);
+    PhaseTimer spacing_timer(stats, "spacing");
+    const std::vector<BodySpacing> spacings = choose_spacings(scene, geometry, options.sampling);
+    spacing_timer.stop();
+    BodySampler sampler(scene, geometry, rays, progress, stats);
     std::vector<SampledBody> bodies;
-    for (std::uint32_t object = 0; object < scene.objects.size(); ++object)
-        if (subsurface(scene, object) != nullptr) bodies.push_back(sampler.sample(object));
+    for (const BodySpacing& chosen : spacings) bodies.push_back(sampler.sample(chosen));
 
     PhaseTimer write_timer(stats, "write");
     const CacheView cache = make_cache(scene, geometry, bodies);
