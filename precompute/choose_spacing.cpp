@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/available_memory.h"
 #include "common/base/errors.h"
@@ -111,7 +112,8 @@ private:
         for (const BodySpacing& body : bodies_)
             area_number +=
                 surface_area(surface(body)) / (double(body.spacing) * double(body.spacing));
-        double factor = std::sqrt(area_number / wished), best = factor, best_count = 0;
+        double factor = std::sqrt(area_number / wished), best = factor;
+        double best_count = std::numeric_limits<double>::infinity();
         double low = 0, high = std::numeric_limits<double>::infinity();
         constexpr int kGuesses = 16;
         for (int i = 0; i < kGuesses; ++i) {
