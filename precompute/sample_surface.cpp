@@ -14,7 +14,6 @@
 #include "common/cloud/morton.h"
 #include "precompute/cluster_fragments.h"
 #include "precompute/surface_cells.h"
-#include "precompute/triangle_cells.h"
 
 namespace tallow {
 namespace {
@@ -108,10 +107,10 @@ double count_samples(const Surface& surface, float spacing) {
     return count_sphere_cells(std::get<SphereSurface>(surface), spacing);
 }
 
-double expected_samples(const Surface& surface, float spacing) {
+WorkEstimate estimate_work(const Surface& surface, float spacing) {
     if (const auto* mesh = std::get_if<TriangleMesh>(&surface))
-        return expected_pieces(*mesh, spacing);
-    return surface_area(surface) / (double(spacing) * spacing);
+        return estimate_work(*mesh, spacing);
+    return {surface_area(surface) / (double(spacing) * spacing), 0};
 }
 
 double surface_area(const Surface& surface) {

@@ -6,6 +6,7 @@
 
 #include "common/base/vec.h"
 #include "common/geometry/surface.h"
+#include "precompute/triangle_cells.h"
 
 namespace tallow {
 
@@ -40,9 +41,8 @@ SurfaceSamples sample_surface(const Surface& surface, float spacing);
 /// Error    1 % (measured: bunny, a sphere of 20M triangles).
 double count_samples(const Surface& surface, float spacing);
 
-/// An upper bound of count_samples, or nearly, in the time of a look at each triangle; also of the
-/// pieces that a mesh is cut into on the way.
-double expected_samples(const Surface& surface, float spacing);
+/// About what sample_surface will have to do, in the time of a look at each triangle.
+WorkEstimate estimate_work(const Surface& surface, float spacing);
 
 /// Area in mm^2 of the part of a surface that is sampled. Infinite for an unbounded plane.
 double surface_area(const Surface& surface);

@@ -33,9 +33,12 @@ struct MeshPieces {
 
 MeshPieces cut_mesh(const TriangleMesh& mesh, float spacing);
 
-/// About how many pieces and fragments there will be, without cutting: that may be far more than
-/// area / spacing^2 where triangles are long and thin.
-double expected_pieces(const TriangleMesh& mesh, float spacing);
+/// About how many samples and fragments there will be, from the triangles' areas and lengths: there
+/// may be far more than area / spacing^2 where triangles are long and thin.
+struct WorkEstimate {
+    double samples = 0, fragments = 0;
+};
+WorkEstimate estimate_work(const TriangleMesh& mesh, float spacing);
 
 /// The same for counting: the number of cells in place of them, and of the fragments those that
 /// `keep` wants.

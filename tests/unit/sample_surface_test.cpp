@@ -5,7 +5,9 @@
 
 #include <numeric>
 
-#include "common/base/rng.h"
+#include "common/base/parallel.h"
+#include "tests/support/ball_mesh.h"
+#include "tests/support/patch_meshes.h"
 
 namespace tallow {
 namespace {
@@ -16,36 +18,25 @@ double total_area(const SurfaceSamples& samples) {
 
 TriangleMesh cube(float side) { return cube_mesh({glm::mat3(side), Vec3(1, 2, 3)}); }
 
-// Large triangles: cells of about h^2, so that N is about area / h^2.
+// Large triangles: cells of h^2, so that N is area / h^2 where that is at least one for each of the
+// twelve triangles.
 TEST(SampleSurface, CubeIsCutIntoCellsOfItsExactArea) {
     for (float spacing : {10.0f, 1.0f, 0.13f}) {
         const SurfaceSamples samples = sample_surface(cube(4), spacing);
         EXPECT_NEAR(total_area(samples), 96, 96e-6);
-        for (float area : samples.area) EXPECT_LE(area, 1.42f * spacing * spacing);
-        if (spacing < 2) {
-            const double wished = 96 / (spacing * spacing);
-            EXPECT_GT(double(samples.size()), 0.7 * wished);
-            EXPECT_LT(double(samples.size()), 1.42 * wished);
-        }
+        const double wished = 96.0 / (spacing * spacing);
+        EXPECT_NEAR(double(samples.size()), std::max(6.0, wished), 6);
+        for (float area : samples.area)
+            EXPECT_LE(area, 2 * std::max(wished / 6, 1.0) * spacing * spacing);
     }
 }
 
 // Much finer than the spacing: the number of samples follows the spacing, not the triangles.
 TEST(SampleSurface, TinyTrianglesAreClustered) {
-    TriangleMesh fine;  // a 100 x 100 grid on the unit square
-    const std::uint32_t n = 100;
-    for (std::uint32_t j = 0; j <= n; ++j)
-        for (std::uint32_t i = 0; i <= n; ++i) fine.vertices.push_back({i / 100.0f, j / 100.0f, 0});
-    for (std::uint32_t j = 0; j < n; ++j)
-        for (std::uint32_t i = 0; i < n; ++i) {
-            const std::uint32_t v = j * (n + 1) + i;
-            fine.triangles.push_back({v, v + 1, v + n + 2});
-            fine.triangles.push_back({v, v + n + 2, v + n + 1});
-        }
+    const TriangleMesh fine = test::grid_mesh({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 100);
     const SurfaceSamples samples = sample_surface(fine, 0.1f);
     EXPECT_NEAR(total_area(samples), 1, 1e-5);
-    EXPECT_GE(samples.size(), 80u);
-    EXPECT_LE(samples.size(), 150u);
+    EXPECT_NEAR(double(samples.size()), 100, 5);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         EXPECT_NEAR(samples.normal[i].z, 1, 1e-6f);
         EXPECT_LT(glm::length(samples.ray_origin[i] - samples.position[i]), 0.02f);
@@ -115,6 +106,63 @@ TEST(SampleSurface, QuadratureConvergesWithTheSquareOfTheSpacing) {
     const double coarse = error(0.2f), fine = error(0.05f);
     EXPECT_LT(coarse, 0.2f * 0.2f);
     EXPECT_LT(fine, coarse / 8);
+}
+
+// Cells stand at their centroids, so that linear functions are integrated exactly, however small or
+// large the triangles are: over the square |x - 3|, |y - 2| < 1, turned by 0.4.
+TEST(SampleSurface, LinearFunctionsAreIntegratedExactly) {
+    const Vec3 u(2 * std::cos(0.4f), 2 * std::sin(0.4f), 0), v(-u.y, u.x, 0);
+    const Vec3 center(3, 2, 1);
+    for (std::uint32_t n : {1u, 2u, 7u, 40u, 200u}) {
+        const TriangleMesh square = test::grid_mesh(center - 0.5f * (u + v), u, v, n);
+        for (float spacing : {1.0f, 0.3f, 0.07f, 0.021f}) {
+            const SurfaceSamples samples = sample_surface(square, spacing);
+            DVec3 moment(0);
+            for (std::size_t i = 0; i < samples.size(); ++i)
+                moment += double(samples.area[i]) * DVec3(samples.position[i]);
+            // Measured: 2.8e-6, rounding of positions to floats.
+            EXPECT_LT(glm::distance(moment, 4.0 * DVec3(center)), 4e-6) << n << ", " << spacing;
+        }
+    }
+}
+
+// Integral of x^2 over the sphere of radius 3: 4 pi 81 / 3. Its bands, and meshes so fine that all
+// samples are clusters.
+TEST(SampleSurface, SecondMomentsOfASphereConvergeWithTheSquareOfTheSpacing) {
+    const auto error = [](const Surface& surface, float spacing, double exact) {
+        const SurfaceSamples samples = sample_surface(surface, spacing);
+        double sum = 0;
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            sum += double(samples.area[i]) * double(samples.position[i].x * samples.position[i].x);
+        return std::abs(sum / exact - 1);
+    };
+    const SphereSurface sphere{{glm::mat3(3.0f), Vec3(0)}};
+    const double exact = 4 * std::numbers::pi * 81 / 3;
+    EXPECT_LT(error(sphere, 0.4f, exact), 2e-3);       // measured: 1.4e-3
+    EXPECT_LT(error(sphere, 0.1f, exact), 2e-3 / 12);  // measured: 9.3e-5
+
+    const TriangleMesh fine = test::sphere_mesh(7, 3);  // 131 072 triangles, 0.03 long
+    EXPECT_LT(error(fine, 0.4f, exact), 4.5e-3);        // measured: 3.5e-3
+    EXPECT_LT(error(fine, 0.2f, exact), 4.5e-3 / 3);    // measured: 9.7e-4
+}
+
+TEST(SampleSurface, SameForAnyNumberOfThreads) {
+    const auto sampled = [](const Surface& surface, float spacing, int threads) {
+        const ThreadLimit limit(threads);
+        return sample_surface(surface, spacing);
+    };
+    // Cells only, clusters only, needles; a sphere's bands; one triangle cut by several threads.
+    const Surface surfaces[] = {cube(4), test::bumpy_mesh(6), test::needle_mesh(50, 1, 20),
+                                SphereSurface{{glm::mat3(3.0f), Vec3(0)}}};
+    for (const Surface& surface : surfaces)
+        for (float spacing : {0.5f, 0.03f}) {
+            const SurfaceSamples one = sampled(surface, spacing, 1);
+            const SurfaceSamples four = sampled(surface, spacing, 4);
+            EXPECT_EQ(one.position, four.position);
+            EXPECT_EQ(one.normal, four.normal);
+            EXPECT_EQ(one.area, four.area);
+            EXPECT_EQ(one.ray_origin, four.ray_origin);
+        }
 }
 
 TEST(SampleSurface, SmoothNormalsAreInterpolated) {
