@@ -77,7 +77,7 @@ double smoothed_far(const Profile& profile, double r, double sigma) {
     return sum;
 }
 
-// pointlike_part() is the integral of R(r) phi(r / sigma): the transform of (1 - g^)^2 / k^2 over
+// beta is the integral of R(r) phi(r / sigma): the transform of (1 - g^)^2 / k^2 over
 // its own integral. With (1 - e^(-a k^2)) / k^2 written as an integral over a, it is one of
 // Gaussians, and over k then in closed form:
 //
@@ -130,11 +130,14 @@ double SmoothedProfile::operator()(double r2) const {
     return std::exp(curve_->log_value(0.5 * std::log1p(r2 / (sigma_ * sigma_))));
 }
 
-double pointlike_part(const Profile& profile, double mean_free_path, double sigma) {
-    double sum = 0;
-    for (const Node& node : quadrature(profile, mean_free_path, sigma))
-        sum += 2 * kPiD * node.weight * edge_weight(node.z / sigma);
-    return sum;
+NearbyParts nearby_parts(const Profile& profile, double mean_free_path, double sigma) {
+    NearbyParts parts{0, 0};
+    for (const Node& node : quadrature(profile, mean_free_path, sigma)) {
+        const double rho = node.z / sigma, q = rho * rho / 4;
+        parts.beta += 2 * kPiD * node.weight * edge_weight(rho);
+        parts.kappa += 2 * kPiD * node.weight * (1 - 2 * q + q * q / 2) * std::exp(-q);
+    }
+    return parts;
 }
 
 }  // namespace tallow

@@ -33,15 +33,23 @@ private:
     std::unique_ptr<Curve> curve_;
 };
 
-/// The part beta of R that acts like a point when irradiance is known at distances sigma only: the
-/// weight of a point that, with (R - beta) * g for the rest, comes closest to R in the plane.
-/// Closest for irradiance with straight edges, whose spectrum falls as 1 / k^2:
+/// How much of a profile lies nearer than what sums over samples can resolve, as plane integrals of
+/// R with two weights. Both go to R's own integral where sigma is large against R, and to 0 where
+/// it is small. With R^, g^ the transforms over the plane:
 ///
-///     beta = integral of R^(k) (1 - g^(k))^2 / k^2 dk  /  integral of (1 - g^(k))^2 / k^2 dk
+///     beta  = integral of R^ (1 - g^)^2 / k^2 dk / integral of (1 - g^)^2 / k^2 dk
+///     kappa = integral of R^ k^4 g^2 k dk / integral of k^4 g^2 k dk
+///           = integral of R(r) (1 - 2 q + q^2 / 2) e^-q dA,     q = r^2 / 4 sigma^2
 ///
-/// It goes to R's plane integral where sigma is large against R, and to 0 where it is small.
+/// beta: with the weight beta at the point itself and (R - beta) * g for the rest, irradiance with
+/// straight edges, whose spectrum falls as 1 / k^2, comes closest to that with R. kappa: what R
+/// makes of the noise of sums with g; samples that are spread evenly have a noise that grows as
+/// k^4.
 ///
 /// Units    1.
-double pointlike_part(const Profile& profile, double mean_free_path, double sigma);
+struct NearbyParts {
+    double beta, kappa;
+};
+NearbyParts nearby_parts(const Profile& profile, double mean_free_path, double sigma);
 
 }  // namespace tallow
