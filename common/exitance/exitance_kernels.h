@@ -12,7 +12,7 @@ namespace tallow {
 /// the samples' spacing h to the mean free path. docs/FINE_MEDIA.md derives and measures it.
 ///
 /// A profile that changes over less than h would make single samples visible: it is averaged with a
-/// Gaussian g of standard deviation sigma = kSmoothing * h. What that blurs is put back from the
+/// Gaussian g of about the width of h. What that blurs is put back from the
 /// irradiance at the shading point itself (ControlVariate).
 struct ExitanceKernels {
     std::array<KernelTable, 3> profiles;  // R or R * g, in a common unit
@@ -22,11 +22,6 @@ struct ExitanceKernels {
 
     bool needs_irradiance() const { return beta != std::array<double, 3>{}; }
 };
-
-/// Standard deviation of g in spacings. Chosen on planes of bisected and of clustered cells: at 0.7
-/// uniform light shows twice the noise, at 0.9 shadow edges are up to a tenth more wrong
-/// (docs/FINE_MEDIA.md).
-inline constexpr double kSmoothing = 0.6;
 
 /// Kernels for samples `spacing_mm` apart.
 ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders orders,
