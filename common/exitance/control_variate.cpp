@@ -27,7 +27,7 @@ KernelTable gaussian(double sigma, double unit) {
 
 ControlVariate::ControlVariate(const BodyView& body, const LitSamples& lit,
                                const ExitanceKernels& kernels, const ExitanceAccuracy& accuracy)
-    : beta_(kernels.pointlike),
+    : beta_(kernels.beta),
       mass_({body.positions, body.areas, body.nodes}, body.areas,
             gaussian(kernels.sigma, kernels.profiles[0].unit()), accuracy) {
     const KernelTable g = gaussian(kernels.sigma, kernels.profiles[0].unit());
@@ -35,7 +35,7 @@ ControlVariate::ControlVariate(const BodyView& body, const LitSamples& lit,
     std::vector<float> flux(E.size());
     for (std::size_t c = 0; c < 3; ++c) {
         if (beta_[c] == 0) continue;
-        rest_[c] = beta_[c] * (1 - beta_[c] / kernels.total[c]);
+        rest_[c] = kernels.kappa[c] - beta_[c];
         parallel_for(flux.size(), kGrain,
                      [&](std::size_t i) { flux[i] = E[i][int(c)] * lit.area[i]; });
         blurred_[c].emplace(SampleSum::Samples{lit.position, lit.area, lit.nodes}, flux, g,
@@ -69,9 +69,10 @@ void ControlVariate::add_channel(std::size_t channel, const SumTargets& targets,
         result.C[channel][i] = beta * (here - blurred.sum[i]) + rest * here * missing;
         result.evaluations[i] += blurred.evaluations[i];
         if (mass.bound.empty()) return;
-        const float size = beta * (here + blurred.sum[i]) + rest * here * (1 + mass.sum[i]);
+        const float size =
+            beta * (here + blurred.sum[i]) + std::abs(rest) * here * (1 + mass.sum[i]);
         result.bound[channel][i] =
-            beta * blurred.bound[i] + rest * here * mass.bound[i] + kRounding * size;
+            beta * blurred.bound[i] + std::abs(rest) * here * mass.bound[i] + kRounding * size;
     });
 }
 

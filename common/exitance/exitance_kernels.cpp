@@ -9,13 +9,21 @@
 namespace tallow {
 namespace {
 
-// Pointlike share of the total over which smoothing and the control variate come in. Chosen.
-// Smoothing: the dipole at 0.35 mean free paths has 0.010, where its plain sum has a noise of 0.1 %
-// and smoothing would only blur; at 1 it has 0.09 and a noise of 3 %. The control variate takes
-// shadow rays at every shading point: at the default spacing all models have less than 0.11, and
-// without it a hard shadow's edge is up to half that share wrong within one spacing.
-constexpr double kSmoothFrom = 0.01, kSmoothTo = 0.04;
-constexpr double kCorrectFrom = 0.12, kCorrectTo = 0.24;
+// Standard deviations of g in spacings: with the control variate, and without it, where g is
+// sharpened. Chosen on planes of bisected and of clustered cells and on scenes: of the first, 0.6
+// and 0.8 give twice and half the noise and take or add a tenth of the error of shadow edges.
+constexpr double kCorrected = 0.7, kSharpened = 1.0;
+
+// How much lower R is in its centre after smoothing, 1 - (R * g)(0) / R(0), over which smoothing
+// comes in. Chosen: below the first, R is so smooth that its plain sum has less noise than
+// smoothing would blur (the dipole has 0.1 at 0.35 mean free paths, and 0.1 % noise under uniform
+// light; at 1 it has 0.5 and 3 %). Profiles that grow as 1/r or -ln r are always above the second.
+constexpr double kSmoothFrom = 0.15, kSmoothTo = 0.4;
+
+// Share beta / R_total over which g loses its sharpening and the control variate comes in. Chosen:
+// it takes shadow rays at every shading point, so that it is left out at the default spacing, where
+// all models have at most 0.11; and R * g must not have a negative rim when R is narrow.
+constexpr double kPlainFrom = 0.06, kCorrectFrom = 0.12, kCorrectTo = 0.24;
 
 // Less smoothing than this part of the spacing does nothing.
 constexpr double kLeastSmoothing = 0.05;
@@ -25,30 +33,46 @@ double smooth_step(double from, double to, double x) {
     return t * t * (3 - 2 * t);
 }
 
+/// What becomes of one channel.
+struct Treatment {
+    Smoothing smoothing{0};
+    double beta = 0, kappa = 0;
+};
+
+Treatment treat(const Profile& profile, double mean_free_path, double spacing) {
+    if (profile.total_reflectance() == 0) return {};
+    const double corrected = kCorrected * spacing;
+    const NearbyParts parts = nearby_parts(profile, mean_free_path, corrected);
+    const double share = parts.beta / profile.total_reflectance();
+    const double used = smooth_step(kCorrectFrom, kCorrectTo, share);
+    const double t = 1 - smooth_step(kPlainFrom, kCorrectFrom, share);
+    const double centre = SmoothedProfile(profile, mean_free_path, {corrected})(0) / profile(0);
+    const double sigma = (kCorrected + t * (kSharpened - kCorrected)) * spacing *
+                         smooth_step(kSmoothFrom, kSmoothTo, 1 - centre);
+    return {{sigma, t}, used * parts.beta, used * parts.kappa};
+}
+
 }  // namespace
 
 ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders orders,
                                       double spacing_mm) {
     const Rgb scale = medium.mean_free_path();
-    const double full = kSmoothing * spacing_mm;
     std::array<std::unique_ptr<Profile>, 3> profiles;
-    std::array<double, 3> scales{}, sigmas{}, totals{}, pointlike{};
+    std::array<double, 3> scales{}, beta{}, kappa{};
     for (int channel = 0; channel < 3; ++channel) {
         const auto c = std::size_t(channel);
         profiles[c] = make_profile(model, medium, channel, orders);
         scales[c] = scale[channel];
-        totals[c] = profiles[c]->total_reflectance();
-        if (totals[c] == 0) continue;
-        const double beta = pointlike_part(*profiles[c], scales[c], full), share = beta / totals[c];
-        sigmas[c] = full * smooth_step(kSmoothFrom, kSmoothTo, share);
-        pointlike[c] = beta * smooth_step(kCorrectFrom, kCorrectTo, share);
-        if (sigmas[c] < kLeastSmoothing * spacing_mm) continue;
-        profiles[c] = std::make_unique<SmoothedProfile>(*profiles[c], scales[c], sigmas[c]);
-        scales[c] = std::max(scales[c], sigmas[c]);
+        const Treatment treatment = treat(*profiles[c], scales[c], spacing_mm);
+        beta[c] = treatment.beta, kappa[c] = treatment.kappa;
+        if (treatment.smoothing.sigma < kLeastSmoothing * spacing_mm) continue;
+        profiles[c] =
+            std::make_unique<SmoothedProfile>(*profiles[c], scales[c], treatment.smoothing);
+        scales[c] = std::max(scales[c], treatment.smoothing.sigma);
     }
     const double unit = KernelTable::unit_near((scales[0] + scales[1] + scales[2]) / 3);
     const auto table = [&](std::size_t c) { return tabulate(*profiles[c], scales[c], unit); };
-    return {{table(0), table(1), table(2)}, totals, pointlike, full};
+    return {{table(0), table(1), table(2)}, beta, kappa, kCorrected * spacing_mm};
 }
 
 std::array<KernelTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders) {

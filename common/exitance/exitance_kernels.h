@@ -12,21 +12,16 @@ namespace tallow {
 /// the samples' spacing h to the mean free path. docs/FINE_MEDIA.md derives and measures it.
 ///
 /// A profile that changes over less than h would make single samples visible: it is averaged with a
-/// Gaussian g of standard deviation sigma = kSmoothing * h. What that blurs is put back from the
-/// irradiance at the shading point itself, with the weight `pointlike` (ControlVariate).
+/// Gaussian g of about the width of h. What that blurs is put back from the
+/// irradiance at the shading point itself (ControlVariate).
 struct ExitanceKernels {
     std::array<KernelTable, 3> profiles;  // R or R * g, in a common unit
-    std::array<double, 3> total{};        // plane integral of R
-    std::array<double, 3> pointlike{};    // beta; 0 where the samples resolve R
-    double sigma = 0;                     // of g, mm; the control variate's, and R's where beta > 0
+    // Weights of the control variate, all 0 where the samples resolve R. See NearbyParts.
+    std::array<double, 3> beta{}, kappa{};
+    double sigma = 0;  // of g, mm; the control variate's, and R's where beta > 0
 
-    bool needs_irradiance() const { return pointlike != std::array<double, 3>{}; }
+    bool needs_irradiance() const { return beta != std::array<double, 3>{}; }
 };
-
-/// Standard deviation of g in spacings. Chosen on planes of bisected and of clustered cells:
-/// at 0.5 uniform light shows 1.5 to 3 times the noise, at 0.9 shadow edges are up to a quarter
-/// more wrong (docs/FINE_MEDIA.md).
-inline constexpr double kSmoothing = 0.7;
 
 /// Kernels for samples `spacing_mm` apart.
 ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders orders,

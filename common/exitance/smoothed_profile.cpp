@@ -27,11 +27,19 @@ constexpr double kWindowFrom = 16;   // sigma; from here on R varies slowly agai
 constexpr double kGridStep = 0.045;  // of t = ln(1 + (r / sigma)^2) / 2
 constexpr double kEnd = 1e-15;       // of the total per sigma^2 (or mean free path^2)
 
-// e^-x I_0(x)
-double scaled_bessel_i0(double x) {
-    if (x < 60) return std::exp(-x) * boost::math::cyl_bessel_i(0, x);
-    const double y = 1 / (8 * x);  // asymptotic, error below 1e-10
-    return (1 + y * (1 + y * (4.5 + y * (37.5 + y * 459.375)))) / std::sqrt(2 * kPiD * x);
+// e^-x I_0(x) and e^-x I_1(x)
+struct ScaledBessel {
+    double i0, i1;
+};
+
+ScaledBessel scaled_bessel(double x) {
+    if (x < 60) {
+        const double scale = std::exp(-x);
+        return {scale * boost::math::cyl_bessel_i(0, x), scale * boost::math::cyl_bessel_i(1, x)};
+    }
+    const double y = 1 / (8 * x), root = std::sqrt(2 * kPiD * x);  // asymptotic, good to 1e-11
+    return {(1 + y * (1 + y * (4.5 + y * (37.5 + y * 459.375)))) / root,
+            (1 - y * (3 + y * (7.5 + y * (52.5 + y * 590.625)))) / root};
 }
 
 // Nodes z_k and weights such that the sum of weight f(z_k) is the integral of R(z) f(z) z dz.
@@ -53,31 +61,35 @@ std::vector<Node> quadrature(const Profile& profile, double mean_free_path, doub
     return nodes;
 }
 
-// Density of the average over a circle of radius z, seen from r.
-double ring_weight(double r, double z, double sigma) {
-    const double d = (r - z) / sigma;
-    return std::exp(-0.5 * d * d) * scaled_bessel_i0(r * z / (sigma * sigma)) / (sigma * sigma);
+// Integral of g over directions, from a point at r to those of a circle of radius z.
+double ring_weight(double r, double z, Smoothing smoothing) {
+    const double sigma2 = smoothing.sigma * smoothing.sigma, x = r * z / sigma2;
+    const double half_d2 = 0.5 * (r - z) * (r - z) / sigma2;
+    const auto [i0, i1] = scaled_bessel(x);
+    const double sharpened = i0 + smoothing.t * ((1 - half_d2) * i0 - x * (i0 - i1));
+    return std::exp(-half_d2) * sharpened / sigma2;
 }
 
-double smoothed_near(const std::vector<Node>& nodes, double r, double sigma) {
+double smoothed_near(const std::vector<Node>& nodes, double r, Smoothing smoothing) {
     double sum = 0;
     for (const Node& node : nodes)
-        if (std::abs(r - node.z) < kReach * sigma)
-            sum += node.weight * ring_weight(r, node.z, sigma);
+        if (std::abs(r - node.z) < kReach * smoothing.sigma)
+            sum += node.weight * ring_weight(r, node.z, smoothing);
     return sum;
 }
 
-double smoothed_far(const Profile& profile, double r, double sigma) {
+double smoothed_far(const Profile& profile, double r, Smoothing smoothing) {
     constexpr double kWindowStep = 0.25;  // sigma
+    const double sigma = smoothing.sigma;
     double sum = 0;
     for (double d = -kReach; d <= kReach; d += kWindowStep) {
         const double z = r + d * sigma;
-        sum += kWindowStep * sigma * z * profile(z * z) * ring_weight(r, z, sigma);
+        sum += kWindowStep * sigma * z * profile(z * z) * ring_weight(r, z, smoothing);
     }
     return sum;
 }
 
-// pointlike_part() is the integral of R(r) phi(r / sigma): the transform of (1 - g^)^2 / k^2 over
+// beta is the integral of R(r) phi(r / sigma): the transform of (1 - g^)^2 / k^2 over
 // its own integral. With (1 - e^(-a k^2)) / k^2 written as an integral over a, it is one of
 // Gaussians, and over k then in closed form:
 //
@@ -89,7 +101,7 @@ double edge_weight(double rho) {
         double sum = 0;
         for (int i = 0; i < n; ++i) {
             const double t = b * (i + 0.5) / n;
-            sum += scaled_bessel_i0(rho * rho / (8 * t * t));
+            sum += scaled_bessel(rho * rho / (8 * t * t)).i0;
         }
         return sum * b / n;
     };
@@ -102,16 +114,17 @@ struct SmoothedProfile::Curve {
     boost::math::interpolators::cardinal_quintic_b_spline<double> log_value;
 };
 
-SmoothedProfile::SmoothedProfile(const Profile& profile, double mean_free_path, double sigma)
-    : sigma_(sigma), total_(profile.total_reflectance()), end_(0) {
+SmoothedProfile::SmoothedProfile(const Profile& profile, double mean_free_path, Smoothing smoothing)
+    : sigma_(smoothing.sigma), total_(profile.total_reflectance()), end_(0) {
+    const double sigma = smoothing.sigma;
     const std::vector<Node> nodes = quadrature(profile, mean_free_path, sigma);
     const double scale = std::max(mean_free_path, sigma);
     const double end = kEnd * total_ / (scale * scale);
     std::vector<double> values;
     for (double t = 0;; t += kGridStep) {
         const double r = sigma * std::sqrt(std::expm1(2 * t));
-        const double value = r < kWindowFrom * sigma ? smoothed_near(nodes, r, sigma)
-                                                     : smoothed_far(profile, r, sigma);
+        const double value = r < kWindowFrom * sigma ? smoothed_near(nodes, r, smoothing)
+                                                     : smoothed_far(profile, r, smoothing);
         if (!(value > end)) break;
         values.push_back(std::log(value));
         end_ = r;
@@ -130,11 +143,14 @@ double SmoothedProfile::operator()(double r2) const {
     return std::exp(curve_->log_value(0.5 * std::log1p(r2 / (sigma_ * sigma_))));
 }
 
-double pointlike_part(const Profile& profile, double mean_free_path, double sigma) {
-    double sum = 0;
-    for (const Node& node : quadrature(profile, mean_free_path, sigma))
-        sum += 2 * kPiD * node.weight * edge_weight(node.z / sigma);
-    return sum;
+NearbyParts nearby_parts(const Profile& profile, double mean_free_path, double sigma) {
+    NearbyParts parts{0, 0};
+    for (const Node& node : quadrature(profile, mean_free_path, sigma)) {
+        const double rho = node.z / sigma, q = rho * rho / 4;
+        parts.beta += 2 * kPiD * node.weight * edge_weight(rho);
+        parts.kappa += 2 * kPiD * node.weight * (1 - 2 * q + q * q / 2) * std::exp(-q);
+    }
+    return parts;
 }
 
 }  // namespace tallow

@@ -8,20 +8,30 @@
 
 namespace tallow {
 
-/// A profile averaged over its plane with a Gaussian g of standard deviation sigma: what a sum over
-/// samples that are farther apart than the profile is wide can resolve.
+/// How a profile is averaged over its plane: with g of standard deviation sigma, a Gaussian that is
+/// sharpened by t, so that what varies slowly is blurred less.
 ///
-///     (R * g)(r) = integral of R(z) z / sigma^2 e^(-(r - z)^2 / 2 sigma^2) I0e(r z / sigma^2) dz
+///     g(r) = (1 + t - t r^2 / 2 sigma^2) e^(-r^2 / 2 sigma^2) / (2 pi sigma^2)
+///     g^(k) = (1 + t k^2 sigma^2 / 2) e^(-k^2 sigma^2 / 2)
 ///
-/// Units    as Profile; sigma in mm.
-/// Domain   0 < sigma; made for sigma from 0.01 to 100 mean free paths.
+/// At t = 0 it blurs as sigma^2, at t = 1 as sigma^4, but has a negative rim.
+struct Smoothing {
+    double sigma;  // mm, > 0
+    double t = 0;  // in [0, 1]
+};
+
+/// R * g: what a sum over samples that are farther apart than the profile is wide can resolve.
+///
+/// Units    as Profile.
+/// Domain   sigma from 0.01 to 100 mean free paths; t > 0 only where R is wider than g, so that
+///          R * g stays positive.
 /// Error    relative, against quadrature at every r: below 2e-6 where R * g is above 1e-12 of its
 ///          total per sigma^2; the plane integral is R's to 2e-6 (fine_media_test.cpp measures).
-///          Beyond, it is taken for 0.
+///          Where it falls below 1e-15 of that it is taken for 0.
 class SmoothedProfile final : public Profile {
 public:
     /// `mean_free_path` [mm] is the distance over which `profile` varies.
-    SmoothedProfile(const Profile& profile, double mean_free_path, double sigma);
+    SmoothedProfile(const Profile& profile, double mean_free_path, Smoothing smoothing);
     ~SmoothedProfile() override;
 
     double operator()(double r2) const override;
@@ -33,15 +43,23 @@ private:
     std::unique_ptr<Curve> curve_;
 };
 
-/// The part beta of R that acts like a point when irradiance is known at distances sigma only: the
-/// weight of a point that, with (R - beta) * g for the rest, comes closest to R in the plane.
-/// Closest for irradiance with straight edges, whose spectrum falls as 1 / k^2:
+/// How much of a profile lies nearer than what sums over samples can resolve, as plane integrals of
+/// R with two weights. Both go to R's own integral where sigma is large against R, and to 0 where
+/// it is small. With R^, g^ the transforms over the plane:
 ///
-///     beta = integral of R^(k) (1 - g^(k))^2 / k^2 dk  /  integral of (1 - g^(k))^2 / k^2 dk
+///     beta  = integral of R^ (1 - g^)^2 / k^2 dk / integral of (1 - g^)^2 / k^2 dk
+///     kappa = integral of R^ k^4 g^2 k dk / integral of k^4 g^2 k dk
+///           = integral of R(r) (1 - 2 q + q^2 / 2) e^-q dA,     q = r^2 / 4 sigma^2
 ///
-/// It goes to R's plane integral where sigma is large against R, and to 0 where it is small.
+/// beta: with the weight beta at the point itself and (R - beta) * g for the rest, irradiance with
+/// straight edges, whose spectrum falls as 1 / k^2, comes closest to that with R. kappa: what R
+/// makes of the noise of sums with g; samples that are spread evenly have a noise that grows as
+/// k^4.
 ///
 /// Units    1.
-double pointlike_part(const Profile& profile, double mean_free_path, double sigma);
+struct NearbyParts {
+    double beta, kappa;
+};
+NearbyParts nearby_parts(const Profile& profile, double mean_free_path, double sigma);
 
 }  // namespace tallow

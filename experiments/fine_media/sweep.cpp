@@ -112,7 +112,7 @@ public:
         const auto reference = field(fine_, fine_lit_, kernels(fine_)).gather(points_).M;
         const ExitanceKernels ours = kernels(coarse_);
         ExitanceKernels smoothed = ours, plain = ours;
-        smoothed.pointlike = plain.pointlike = {};
+        smoothed.beta = plain.beta = {};
         plain.profiles = tabulate_profiles(material_.model, medium, orders());
         const std::pair<const char*, const ExitanceKernels*> methods[] = {
             {"plain", &plain}, {"smoothed", &smoothed}, {"ours", &ours}};
@@ -124,8 +124,7 @@ public:
             fmt::print("{},{},{},{:.3g},{:.3g},{},{},{:.3g},{},{:.4g},{:.4g},{:.3g}\n", name_,
                        model_name(), density, coarse_.spacing_mm,
                        coarse_.spacing_mm / min_channel(medium.mean_free_path()),
-                       coarse_.positions.size(), fine_.positions.size(),
-                       of_method->pointlike[2] / std::max(1e-30, of_method->total[2]), method,
+                       coarse_.positions.size(), fine_.positions.size(), of_method->beta[2], method,
                        errors.rel_rmse, errors.p99, time.count());
         }
     }
@@ -165,7 +164,7 @@ void sweep(const Arguments& a, ToolRun& run) {
     const BodyView& body = coarse.view().bodies.front();
     const SubsurfaceMaterial& material = *subsurface(scene, body.object);
     fmt::print(
-        "scene,model,density,spacing_mm,h_per_mfp,samples,reference_samples,pointlike_share,method,"
+        "scene,model,density,spacing_mm,h_per_mfp,samples,reference_samples,beta_blue,method,"
         "relRMSE,p99,seconds\n");
     const Sweep sweep(material, body, fine.view().bodies.front(), scene.groups,
                       find_points(scene, geometry, body.object), a.scene.stem().string());
