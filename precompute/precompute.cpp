@@ -13,6 +13,7 @@
 #include "common/cloud/scene_fingerprint.h"
 #include "common/geometry/ray_scene.h"
 #include "precompute/build_octree.h"
+#include "precompute/choose_light_samples.h"
 #include "precompute/gather_irradiance.h"
 #include "precompute/sample_surface.h"
 
@@ -105,7 +106,8 @@ private:
     void gather_light(const Medium& medium, SampledBody& body) {
         const PhaseTimer timer(stats_, "irradiance");
         progress_.begin("irradiance", body.samples.size(), "samples");
-        body.groups = gather_irradiance(scene_, rays_, body.samples, medium.eta, progress_);
+        const LightSampleCounts counts = equal_light_samples(scene_, scene_.settings.light_samples);
+        body.groups = gather_irradiance(scene_, rays_, body.samples, medium.eta, counts, progress_);
         progress_.end();
     }
 
