@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     tallow::register_traversal_benchmarks();
     tallow::register_build_benchmarks();
     tallow::register_grouping_benchmarks();
+    tallow::register_irradiance_benchmarks();
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
 }

@@ -10,6 +10,7 @@
 #include "common/optics/profile.h"
 #include "common/scene/presets.h"
 #include "precompute/build_octree.h"
+#include "tests/support/ball_mesh.h"
 
 namespace tallow {
 namespace {
@@ -71,6 +72,10 @@ std::vector<Vec3> seen_points(std::size_t count) {
             if (rest > 0) points.push_back(on_shell({p.x, p.y, std::sqrt(rest)}));
         }
     return points;
+}
+
+TriangleMesh shell_mesh() {
+    return test::ball_mesh(7, [](Vec3 d) { return glm::length(on_shell(d)); });
 }
 
 const Shell& shell(std::size_t samples) {

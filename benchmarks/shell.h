@@ -6,6 +6,7 @@
 
 #include "common/base/vec.h"
 #include "common/cloud/point_octree.h"
+#include "common/geometry/mesh.h"
 #include "common/nbody/kernel_table.h"
 #include "common/optics/medium.h"
 
@@ -19,6 +20,9 @@ struct Shell {
     std::vector<float> area;     // [sample] mm^2
     std::vector<OctreeNode> nodes;
 };
+
+/// The bumpy sphere as a closed, flat mesh of 131072 triangles.
+TriangleMesh shell_mesh();
 
 /// Made at the first call for a size, and kept.
 const Shell& shell(std::size_t samples);

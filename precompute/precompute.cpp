@@ -12,8 +12,10 @@
 #include "common/cloud/scene_fingerprint.h"
 #include "common/geometry/ray_scene.h"
 #include "precompute/build_octree.h"
+#include "precompute/choose_light_samples.h"
 #include "precompute/earlier_cache.h"
 #include "precompute/gather_indirect.h"
+#include "precompute/gather_irradiance.h"
 #include "precompute/sample_surface.h"
 #include "precompute/tint_irradiance.h"
 
@@ -62,6 +64,7 @@ public:
         const std::size_t count = body.samples.size();
         body.direct.assign(scene_.groups.size(),
                            {std::vector<Rgb>(count, Rgb(0)), std::vector<Vec3>(count, Vec3(0))});
+        const LightSampleCounts counts = equal_light_samples(scene_, scene_.settings.light_samples);
         progress_.begin("irradiance", count, "samples");
         for (std::size_t begin = 0; begin < count; begin += kChunk) {
             const std::size_t end = std::min(count, begin + kChunk);
@@ -69,8 +72,8 @@ public:
                 progress_.add(end - begin);
                 continue;
             }
-            gather_irradiance_range(scene_, rays_, body.samples, eta, begin, end, body.direct,
-                                    progress_);
+            gather_irradiance_range(scene_, rays_, body.samples, eta, counts, {begin, end},
+                                    body.direct, progress_);
             checkpoint.keep(Checkpoint::Stage::direct, index, begin, end, body.direct);
         }
         tint_irradiance(scene_, rays_, body.object, body.samples, body.direct);

@@ -12,18 +12,20 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-// Second Sobol dimension: its generator matrix is Pascal's triangle modulo 2.
-constexpr std::uint32_t sobol_second(std::uint32_t index) {
-    std::uint32_t result = 0;
-    for (std::uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
-        if (index & 1u) result ^= v;
-    return result;
+// Second Sobol dimension, its bits reversed: Pascal's triangle modulo 2 times the index. That
+// matrix is the fivefold Kronecker product of [1 1; 0 1], hence one step a factor.
+constexpr std::uint32_t reversed_sobol_second(std::uint32_t x) {
+    x ^= (x & 0xaaaaaaaau) >> 1;
+    x ^= (x & 0xccccccccu) >> 2;
+    x ^= (x & 0xf0f0f0f0u) >> 4;
+    x ^= (x & 0xff00ff00u) >> 8;
+    return x ^ x >> 16;
 }
 
-// Each output bit is flipped depending on the bits above it only: a nested uniform scramble.
-// The multiplications act from low to high bits, hence the reversals. Constants: [Burley 2020].
-constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
-    x = reverse_bits(x);
+// Each output bit is flipped depending on the bits above it only: a nested uniform scramble. The
+// multiplications act from low to high bits, so that the input comes with its bits reversed.
+// Constants: [Burley 2020].
+constexpr std::uint32_t owen_scramble_reversed(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1u;
@@ -34,12 +36,13 @@ constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
 
 }  // namespace
 
-Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble) {
-    const auto seed_x = static_cast<std::uint32_t>(mix_bits(scramble) >> 32);
-    const auto seed_y =
-        static_cast<std::uint32_t>(mix_bits(scramble ^ 0x6a09e667f3bcc909ull) >> 32);
-    return {to_unit_float(owen_scramble(reverse_bits(index), seed_x)),
-            to_unit_float(owen_scramble(sobol_second(index), seed_y))};
+Sobol2d::Sobol2d(std::uint64_t scramble)
+    : seed_x_(static_cast<std::uint32_t>(mix_bits(scramble) >> 32)),
+      seed_y_(static_cast<std::uint32_t>(mix_bits(scramble ^ 0x6a09e667f3bcc909ull) >> 32)) {}
+
+Vec2 Sobol2d::operator()(std::uint32_t index) const {
+    return {to_unit_float(owen_scramble_reversed(index, seed_x_)),
+            to_unit_float(owen_scramble_reversed(reversed_sobol_second(index), seed_y_))};
 }
 
 }  // namespace tallow

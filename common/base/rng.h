@@ -27,11 +27,22 @@ constexpr float to_unit_float(std::uint32_t bits) {
     return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
 
-/// Point `index` of a two-dimensional low-discrepancy sequence, scrambled by `scramble`: any
-/// 2^k consecutive aligned points are one in each elementary interval of area 2^-k.
+/// A two-dimensional low-discrepancy sequence, scrambled by `scramble`: any 2^k consecutive aligned
+/// points are one in each elementary interval of area 2^-k.
 ///
 /// Source: the (0,2)-sequence of Sobol's first two dimensions; hash-based Owen scrambling after
 /// Burley 2020, "Practical Hash-based Owen Scrambling".
-Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble);
+class Sobol2d {
+public:
+    explicit Sobol2d(std::uint64_t scramble);
+    Vec2 operator()(std::uint32_t index) const;  ///< in [0, 1)^2
+
+private:
+    std::uint32_t seed_x_, seed_y_;
+};
+
+inline Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble) {
+    return Sobol2d(scramble)(index);
+}
 
 }  // namespace tallow

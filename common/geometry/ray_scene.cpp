@@ -141,6 +141,25 @@ RTCRay embree_ray(const Ray& ray, float length) {
     return r;
 }
 
+constexpr std::size_t kPacket = 16;
+
+// Which of a packet's rays are there.
+struct Lanes {
+    explicit Lanes(std::size_t count) { std::fill_n(valid, count, -1); }
+    alignas(64) int valid[kPacket] = {};
+};
+
+void fill(RTCRay16& packet, std::span<const ShadowRay> rays) {
+    for (std::size_t i = 0; i < kPacket; ++i) {
+        const auto& [origin, direction, length] = rays[std::min(i, rays.size() - 1)];
+        packet.org_x[i] = origin.x, packet.org_y[i] = origin.y, packet.org_z[i] = origin.z;
+        packet.dir_x[i] = direction.x, packet.dir_y[i] = direction.y;
+        packet.dir_z[i] = direction.z;
+        packet.tnear[i] = 0, packet.tfar[i] = length;
+        packet.time[i] = 0, packet.mask[i] = ~0u, packet.id[i] = 0, packet.flags[i] = 0;
+    }
+}
+
 RTCGeometry mesh_geometry(RTCDevice device, const TriangleMesh& mesh) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -197,13 +216,15 @@ RTCGeometry user_geometry(RTCDevice device, UnitShape& shape) {
 
 struct RayScene::Impl {
     std::span<const Surface> surfaces;
-    std::vector<UnitShape> unit_shapes;  // [object]; unused for meshes and planes
-    std::vector<std::uint32_t> planes;   // objects that are planes
-    float extent = 0;                    // largest coordinate of any surface, mm
+    std::vector<UnitShape> unit_shapes;      // [object]; unused for meshes and planes
+    std::vector<std::vector<Vec3>> normals;  // [object][triangle] unit, outward; of meshes
+    std::vector<std::uint32_t> planes;       // objects that are planes
+    float extent = 0;                        // largest coordinate of any surface, mm
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
 
-    explicit Impl(std::span<const Surface> all) : surfaces(all), unit_shapes(all.size()) {
+    explicit Impl(std::span<const Surface> all)
+        : surfaces(all), unit_shapes(all.size()), normals(all.size()) {
         // One build thread: the tree, and with it ties between triangles, must not depend on how
         // many cores there are. Not by the device's own "threads=1", which would hold for the whole
         // process as long as the device lives.
@@ -235,6 +256,9 @@ struct RayScene::Impl {
         RTCGeometry geometry = nullptr;
         if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
             geometry = mesh_geometry(device, *mesh);
+            normals[object].resize(mesh->triangles.size());
+            for (std::size_t t = 0; t < mesh->triangles.size(); ++t)
+                normals[object][t] = triangle_normal(*mesh, t);
         } else if (const auto* sphere = std::get_if<SphereSurface>(&surface)) {
             unit_shapes[object] = make_unit_shape(UnitShape::Kind::sphere, sphere->to_world);
             geometry = user_geometry(device, unit_shapes[object]);
@@ -253,7 +277,8 @@ struct RayScene::Impl {
     Hit mesh_hit(const TriangleMesh& mesh, const RTCRayHit& found) const {
         const Triangle& t = mesh.triangles[found.hit.primID];
         const float u = found.hit.u, v = found.hit.v, w = 1 - u - v;
-        Hit hit{found.ray.tfar, found.hit.geomID, {}, triangle_normal(mesh, found.hit.primID), {}};
+        Hit hit{
+            found.ray.tfar, found.hit.geomID, {}, normals[found.hit.geomID][found.hit.primID], {}};
         hit.position = w * mesh.vertices[t[0]] + u * mesh.vertices[t[1]] + v * mesh.vertices[t[2]];
         hit.n = hit.n_g;
         if (!mesh.corner_uvs.empty()) {
@@ -280,6 +305,26 @@ struct RayScene::Impl {
         const Vec3 n = surface_normal(shape, x);
         const Vec2 uv = shape.kind == UnitShape::Kind::sphere ? sphere_uv(p) : disc_uv(p);
         return {found.ray.tfar, found.hit.geomID, x, n, n, uv};
+    }
+
+    Hit surface_hit(const Ray& ray, const RTCRayHit& found) const {
+        if (const auto* mesh = std::get_if<TriangleMesh>(&surfaces[found.hit.geomID]))
+            return mesh_hit(*mesh, found);
+        return unit_shape_hit(ray, found);
+    }
+
+    Hit lane_hit(const RTCRayHit16& packet, std::size_t lane) const {
+        RTCRayHit found{};
+        found.ray.tfar = packet.ray.tfar[lane];
+        found.hit.u = packet.hit.u[lane], found.hit.v = packet.hit.v[lane];
+        found.hit.geomID = packet.hit.geomID[lane], found.hit.primID = packet.hit.primID[lane];
+        const Ray ray{{packet.ray.org_x[lane], packet.ray.org_y[lane], packet.ray.org_z[lane]},
+                      {packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]}};
+        return surface_hit(ray, found);
+    }
+
+    bool blocked_by_plane(const ShadowRay& ray) const {
+        return !planes.empty() && intersect_planes({ray.origin, ray.direction}, ray.length);
     }
 
     std::optional<Hit> intersect_planes(const Ray& ray, float length) const {
@@ -310,9 +355,7 @@ std::optional<Hit> RayScene::intersect(const Ray& ray, float length) const {
     rtcInitIntersectContext(&context);
     rtcIntersect1(impl_->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return on_plane;
-    if (const auto* mesh = std::get_if<TriangleMesh>(&impl_->surfaces[query.hit.geomID]))
-        return impl_->mesh_hit(*mesh, query);
-    return impl_->unit_shape_hit(ray, query);
+    return impl_->surface_hit(ray, query);
 }
 
 std::optional<Hit> RayScene::intersect_object(const Ray& ray, std::uint32_t object,
@@ -346,32 +389,50 @@ bool RayScene::occluded(const ShadowRay& ray) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded1(impl_->scene, &context, &query);
-    return query.tfar < 0 ||
-           impl_->intersect_planes({ray.origin, ray.direction}, ray.length).has_value();
+    return query.tfar < 0 || impl_->blocked_by_plane(ray);
 }
 
 void RayScene::occluded(std::span<const ShadowRay> rays, std::span<bool> result) const {
-    constexpr std::size_t kPacket = 16;
-    RTCIntersectContext context;
+    RTCIntersectContext context;  // incoherent: the other kind is slower even for one light's rays
     rtcInitIntersectContext(&context);
     for (std::size_t start = 0; start < rays.size(); start += kPacket) {
         const std::size_t count = std::min(kPacket, rays.size() - start);
-        RTCRay16 packet{};
-        alignas(64) int valid[kPacket] = {};
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto& [origin, direction, length] = rays[start + i];
-            valid[i] = -1;
-            packet.org_x[i] = origin.x, packet.org_y[i] = origin.y, packet.org_z[i] = origin.z;
-            packet.dir_x[i] = direction.x, packet.dir_y[i] = direction.y;
-            packet.dir_z[i] = direction.z;
-            packet.tfar[i] = length, packet.mask[i] = ~0u;
-        }
-        rtcOccluded16(valid, impl_->scene, &context, &packet);
+        const Lanes lanes(count);
+        RTCRay16 packet;
+        fill(packet, rays.subspan(start, count));
+        rtcOccluded16(lanes.valid, impl_->scene, &context, &packet);
+        for (std::size_t i = 0; i < count; ++i)
+            result[start + i] = packet.tfar[i] < 0 || impl_->blocked_by_plane(rays[start + i]);
+    }
+}
+
+void RayScene::intersect_object(std::span<const ShadowRay> rays, std::uint32_t object,
+                                std::span<std::optional<Hit>> result) const {
+    if (std::holds_alternative<PlaneSurface>(impl_->surfaces[object])) {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            result[i] =
+                intersect_object({rays[i].origin, rays[i].direction}, object, rays[i].length);
+        return;
+    }
+    RTCIntersectContext context;  // incoherent: the other kind is slower even for one light's rays
+    rtcInitIntersectContext(&context);
+    for (std::size_t start = 0; start < rays.size(); start += kPacket) {
+        const std::size_t count = std::min(kPacket, rays.size() - start);
+        const Lanes lanes(count);
+        RTCRayHit16 packet;
+        fill(packet.ray, rays.subspan(start, count));
+        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        rtcIntersect16(lanes.valid, impl_->scene, &context, &packet);
         for (std::size_t i = 0; i < count; ++i) {
             const ShadowRay& ray = rays[start + i];
-            result[start + i] =
-                packet.tfar[i] < 0 ||
-                impl_->intersect_planes({ray.origin, ray.direction}, ray.length).has_value();
+            const std::uint32_t found = packet.hit.geomID[i];
+            if (found == RTC_INVALID_GEOMETRY_ID)
+                result[start + i] = std::nullopt;
+            else if (found == object)
+                result[start + i] = impl_->lane_hit(packet, i);
+            else
+                result[start + i] =
+                    intersect_object({ray.origin, ray.direction}, object, ray.length);
         }
     }
 }

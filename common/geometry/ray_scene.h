@@ -21,7 +21,7 @@ struct Hit {
     Vec2 uv{0};            ///< texture coordinates: the mesh's (0 without), sphere_uv() and so on
 };
 
-/// A segment to be tested for obstacles.
+/// A segment to be tested for what is in its way.
 struct ShadowRay {
     Vec3 origin;
     Vec3 direction;  // unit
@@ -43,6 +43,10 @@ public:
     /// Nearest hit with one surface only: where a ray inside a body leaves it.
     std::optional<Hit> intersect_object(const Ray& ray, std::uint32_t object,
                                         float length = kInfinity) const;
+
+    /// The same for many rays; faster where neighbours are similar.
+    void intersect_object(std::span<const ShadowRay> rays, std::uint32_t object,
+                          std::span<std::optional<Hit>> result) const;
 
     /// Start of a ray that leaves the surface at `position` towards the side of `direction`: moved
     /// along the geometric normal by 2^-15 of the largest coordinate (256 units in the last place),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "common/base/vec.h"
@@ -12,8 +13,15 @@ namespace tallow {
 /// Domain   eta > 0 is the index on the far side over the index on the near side;
 ///          0 <= cos_i <= 1 on the near side. 1 at total internal reflection.
 /// Source   Fresnel's equations; [JMLH01] section 2.1 uses their unpolarised mean.
-double fresnel_reflectance(double eta, double cos_i);
-float fresnel_reflectance(float eta, float cos_i);
+template <class F>
+F fresnel_reflectance(F eta, F cos_i) {
+    const F sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+    if (sin2_t >= 1) return 1;
+    const F cos_t = std::sqrt(1 - sin2_t);
+    const F parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    const F perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
 
 inline float fresnel_transmittance(float eta, float cos_i) {
     return 1 - fresnel_reflectance(eta, cos_i);
@@ -22,11 +30,18 @@ inline float fresnel_transmittance(float eta, float cos_i) {
 /// Cosine on the far side by Snell's law, or 0 at total internal reflection.
 ///
 ///     cos_t = sqrt(1 - (1 - cos_i^2) / eta^2)
-float refracted_cosine(float eta, float cos_i);
+inline float refracted_cosine(float eta, float cos_i) {
+    return std::sqrt(std::fmax(0.0f, 1 - (1 - cos_i * cos_i) / (eta * eta)));
+}
 
 /// Direction of refraction. `w` points away from the surface on the side of `n`; the result points
 /// away from the surface on the other side. Nothing at total internal reflection.
-std::optional<Vec3> refract(Vec3 w, Vec3 n, float eta);
+inline std::optional<Vec3> refract(Vec3 w, Vec3 n, float eta) {
+    const float cos_i = glm::dot(w, n);
+    const float cos2_t = 1 - (1 - cos_i * cos_i) / (eta * eta);
+    if (cos2_t <= 0) return std::nullopt;
+    return glm::normalize((cos_i / eta - std::sqrt(cos2_t)) * n - w / eta);
+}
 
 /// Mirror direction; `w` and the result both point away from the surface.
 inline Vec3 reflect(Vec3 w, Vec3 n) { return 2 * glm::dot(w, n) * n - w; }

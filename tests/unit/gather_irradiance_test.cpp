@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/optics/fresnel.h"
+#include "precompute/choose_light_samples.h"
 #include "tests/support/scenes.h"
 
 namespace tallow {
@@ -21,7 +22,9 @@ GroupIrradiance gather(const Scene& scene, float eta, std::span<const Surface> b
                        const SurfaceSamples& samples = one_sample()) {
     const RayScene rays(blockers);
     Progress quiet(true);
-    return gather_irradiance(scene, rays, samples, eta, quiet).at(0);
+    return gather_irradiance(scene, rays, samples, eta,
+                             equal_light_samples(scene, scene.settings.light_samples), quiet)
+        .at(0);
 }
 
 // Form factor from a surface element to a parallel square of side s, centred above it at height h:
@@ -123,9 +126,31 @@ TEST(GatherIrradiance, GroupsAreKeptApart) {
     scene.lights[1].group = 1;
     const RayScene rays({});
     Progress quiet(true);
-    const auto groups = gather_irradiance(scene, rays, one_sample(), 1, quiet);
+    const auto groups = gather_irradiance(scene, rays, one_sample(), 1, {1, 1}, quiet);
     EXPECT_EQ(groups.at(0).E_t[0], Rgb(1));
     EXPECT_EQ(groups.at(1).E_t[0], Rgb(2));
+}
+
+// Results do not depend on how the samples are cut into ranges of blocks.
+TEST(GatherIrradiance, RangesGiveTheWhole) {
+    SurfaceSamples samples;
+    for (int i = 0; i < 300; ++i) {
+        samples.position.push_back({0.01f * float(i), 0, 0.003f * float(i * i % 97)});
+        samples.normal.push_back({0, 1, 0});
+        samples.area.push_back(1);
+    }
+    samples.ray_origin = samples.position;
+    const std::vector<Surface> blockers = {SphereSurface{{glm::mat3(0.5f), Vec3(1, 1.5f, 0)}}};
+    const RayScene rays(blockers);
+    const Scene scene = lit_scene({ceiling(4, 3, Rgb(1)), EnvironmentLight{Rgb(1)}});
+    const LightSampleCounts counts = {4, 3};
+    Progress quiet(true);
+    const auto whole = gather_irradiance(scene, rays, samples, 1.3f, counts, quiet);
+    std::vector<GroupIrradiance> parts = {{std::vector<Rgb>(300), std::vector<Vec3>(300)}};
+    for (const SampleSpan span : {SampleSpan{192, 300}, SampleSpan{0, 64}, SampleSpan{64, 192}})
+        gather_irradiance_range(scene, rays, samples, 1.3f, counts, span, parts, quiet);
+    EXPECT_EQ(parts[0].E_t, whole[0].E_t);
+    EXPECT_EQ(parts[0].w_i, whole[0].w_i);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
 #include "precompute/build_octree.h"
+#include "precompute/choose_light_samples.h"
 #include "precompute/gather_indirect.h"
 #include "tests/support/scenes.h"
 
@@ -129,8 +130,9 @@ SampledBody sampled(const Scene& scene, const std::vector<Surface>& surfaces, co
                      {},
                      {}};
     body.nodes = build_octree(body.samples.position);
-    body.direct = gather_irradiance(scene, rays, body.samples,
-                                    subsurface(scene, object)->medium.eta, progress);
+    body.direct =
+        gather_irradiance(scene, rays, body.samples, subsurface(scene, object)->medium.eta,
+                          equal_light_samples(scene, 1), progress);
     return body;
 }
 

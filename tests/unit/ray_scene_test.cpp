@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/base/rng.h"
 #include "tests/support/count_threads.h"
 
 namespace tallow {
@@ -29,6 +30,42 @@ TEST(RayScene, LeavesTheThreadsOfAnUnlimitedProcess) {
     const int before = allowed_threads();
     const RayScene rays(surfaces);
     EXPECT_EQ(allowed_threads(), before);
+}
+
+// Rays in bundles meet what single rays meet: a mesh, a sphere inside it that is stepped over, and
+// a plane.
+TEST(RayScene, BundlesAreAsSingleRays) {
+    const glm::mat3 size(4.0f);
+    const std::vector<Surface> surfaces = {cube_mesh({size, Vec3(0)}),
+                                           SphereSurface{{glm::mat3(0.7f), Vec3(0.3f)}},
+                                           PlaneSurface{Vec3(0, -3, 0), Vec3(0, 1, 0)}};
+    const RayScene scene(surfaces);
+    std::vector<ShadowRay> rays;  // 50: three whole bundles and a part of one
+    for (std::uint32_t i = 0; i < 50; ++i) {
+        const Vec2 u = sobol_2d(i, 7);
+        const float z = 1 - 2 * u.x, s = std::sqrt(1 - z * z);
+        const Vec3 direction(s * std::cos(kTwoPi * u.y), z, s * std::sin(kTwoPi * u.y));
+        rays.push_back({Vec3(-1, 0.1f, 0), direction, i % 5 == 0 ? 2.0f : kInfinity});
+    }
+    for (std::uint32_t object = 0; object < surfaces.size(); ++object) {
+        std::vector<std::optional<Hit>> hits(rays.size());
+        scene.intersect_object(rays, object, hits);
+        int found = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const auto& [origin, direction, length] = rays[i];
+            const auto single = scene.intersect_object({origin, direction}, object, length);
+            ASSERT_EQ(hits[i].has_value(), single.has_value()) << object << ' ' << i;
+            if (!single) continue;
+            ++found;
+            EXPECT_NEAR(hits[i]->t, single->t, 2e-6f * single->t);  // measured 4e-7
+            EXPECT_LT(glm::length(hits[i]->position - single->position), 5e-6f);
+            EXPECT_LT(glm::length(hits[i]->n - single->n), 5e-6f);
+        }
+        EXPECT_GT(found, 2) << object;
+    }
+    const auto blocked = std::make_unique<bool[]>(rays.size());
+    scene.occluded(rays, {blocked.get(), rays.size()});
+    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(blocked[i], scene.occluded(rays[i]));
 }
 
 }  // namespace
