@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights with an area. Quad, disc and mesh are drawn by area, a textured quad also by brightness;
+// Disc, sphere and mesh, and what all lights with an area share. Disc and mesh are drawn by area,
 // the sphere by the cone of directions in which it appears.
 #include <algorithm>
 #include <cmath>
@@ -8,31 +8,6 @@
 
 namespace tallow {
 namespace {
-
-/// Light of `strength` = radiance / pdf over the area, from a point p with normal n_light.
-Sample from_area(Vec3 x, Vec3 p, Vec3 n_light, Rgb strength) {
-    const auto to = towards(x, p);
-    if (!to) return std::nullopt;
-    const float cos_light = -glm::dot(to->first, n_light);
-    if (cos_light <= 0) return std::nullopt;
-    // pdf over solid angle = pdf over area * distance^2 / cos_light
-    return LightSample{to->first, to->second, cos_light / (to->second * to->second) * strength};
-}
-
-Rgb cosine_intensity(const LightPoint& point, Vec3 w) {
-    return std::max(0.0f, glm::dot(w, point.axis)) * point.strength;
-}
-
-/// Where a ray meets the plane through `center` from the side of `normal`.
-std::optional<float> cross_plane(Vec3 center, Vec3 normal, const Ray& ray) {
-    const float cosine = -glm::dot(ray.direction, normal);
-    if (cosine <= 0) return std::nullopt;
-    const float t = glm::dot(ray.origin - center, normal) / cosine;
-    return t > 0 ? std::optional(t) : std::nullopt;
-}
-
-/// The texture's point at center + a u + b v.
-Vec2 texture_uv(float a, float b) { return {0.5f - a, 0.5f - b}; }
 
 /// Distance from the ray's origin to the sphere's near side, or nothing.
 std::optional<float> cross_sphere(const SphereLight& sphere, const Ray& ray) {
@@ -48,40 +23,24 @@ std::optional<float> cross_sphere(const SphereLight& sphere, const Ray& ray) {
 
 }  // namespace
 
-LightPoint sample_point(const QuadLight& light, Vec2 u) {
-    const float area = glm::length(glm::cross(light.u, light.v));
-    const auto at = [&](Vec2 ab, Rgb strength) {
-        return LightPoint{light.center + ab.x * light.u + ab.y * light.v, light.normal, strength};
-    };
-    if (!light.texture) return at(u - 0.5f, area * light.radiance);
-    // One sample with the density share * table + (1 - share) * uniform, over the unit square.
-    const float share = light.texture->share();
-    const bool from_table = u.x < share;
-    u.x = from_table ? u.x / share : (u.x - share) / (1 - share);
-    const Vec2 uv = from_table ? light.texture->draw(u) : u;
-    const LightImage::Texel texel = light.texture->at(uv);
-    const float density = share * texel.density + (1 - share);
-    return at(0.5f - uv, area / density * (light.radiance * texel.color));
+Sample from_area(Vec3 x, Vec3 p, Vec3 n_light, Rgb strength) {
+    const auto to = towards(x, p);
+    if (!to) return std::nullopt;
+    const float cos_light = -glm::dot(to->first, n_light);
+    if (cos_light <= 0) return std::nullopt;
+    // pdf over solid angle = pdf over area * distance^2 / cos_light
+    return LightSample{to->first, to->second, cos_light / (to->second * to->second) * strength};
 }
 
-Sample sample(const QuadLight& light, Vec3 x, const Normal&, Vec2 u) {
-    const LightPoint p = sample_point(light, u);
-    return from_area(x, p.position, p.axis, p.strength);
+Rgb cosine_intensity(const LightPoint& point, Vec3 w) {
+    return std::max(0.0f, glm::dot(w, point.axis)) * point.strength;
 }
 
-Rgb intensity(const QuadLight&, const LightPoint& point, Vec3 w, float) {
-    return cosine_intensity(point, w);
-}
-
-std::optional<Emission> see(const QuadLight& light, const Ray& ray) {
-    const auto t = cross_plane(light.center, light.normal, ray);
-    if (!t) return std::nullopt;
-    const Vec3 offset = ray.origin + *t * ray.direction - light.center;
-    const float a = glm::dot(offset, light.u) / length2(light.u);
-    const float b = glm::dot(offset, light.v) / length2(light.v);
-    if (std::abs(a) > 0.5f || std::abs(b) > 0.5f) return std::nullopt;
-    if (!light.texture) return Emission{*t, light.radiance};
-    return Emission{*t, light.radiance * light.texture->at(texture_uv(a, b)).color};
+std::optional<float> cross_plane(Vec3 center, Vec3 normal, const Ray& ray) {
+    const float cosine = -glm::dot(ray.direction, normal);
+    if (cosine <= 0) return std::nullopt;
+    const float t = glm::dot(ray.origin - center, normal) / cosine;
+    return t > 0 ? std::optional(t) : std::nullopt;
 }
 
 LightPoint sample_point(const DiscLight& light, Vec2 u) {

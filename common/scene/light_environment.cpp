@@ -54,7 +54,8 @@ struct Drawn {
     Rgb radiance;  // over the pdf
 };
 
-/// `even` draws by cosine around n, or from all directions; its density is even_pdf(w).
+/// One direction: with probability share() from the picture's table, otherwise evenly, which is by
+/// cosine around n or, without n, from all directions. Over the density of both together.
 Drawn draw(const EnvironmentLight& light, const Normal& n, Vec2 u) {
     const float share = light.image ? light.image->share() : 0;
     const bool from_table = u.x < share;

@@ -117,9 +117,9 @@ float LightImage::row_weight(std::size_t row) const {
     return std::sin(middle) * (std::sin(half) / half);
 }
 
-float LightImage::excess(int x, int y) const {
-    return std::max(0.0f, brightness(image_.at(x, y)) - mean_);
-}
+float LightImage::excess_of(Rgb pixel) const { return std::max(0.0f, brightness(pixel) - mean_); }
+
+float LightImage::excess(int x, int y) const { return excess_of(image_.at(x, y)); }
 
 float LightImage::node(std::size_t column, std::size_t row) const {
     const int y = std::clamp(int(row) - 1, 0, image_.height - 1);
@@ -148,15 +148,18 @@ LightImage::Axis LightImage::down(float v) const {
 
 LightImage::Texel LightImage::at(Vec2 uv) const {
     const Axis x = across(uv.x), y = down(uv.y);
-    const auto mix = [&](auto&& value) {
-        return (1 - y.fraction) *
-                   ((1 - x.fraction) * value(x.low, y.low) + x.fraction * value(x.high, y.low)) +
-               y.fraction *
-                   ((1 - x.fraction) * value(x.low, y.high) + x.fraction * value(x.high, y.high));
+    Rgb color;
+    float e = 0;
+    const auto add = [&](float weight, int i, int j) {
+        const Rgb pixel = image_.at(i, j);
+        color += weight * pixel;
+        e += weight * excess_of(pixel);
     };
-    const Rgb color = mix([&](int i, int j) { return image_.at(i, j); });
+    add((1 - x.fraction) * (1 - y.fraction), x.low, y.low);
+    add(x.fraction * (1 - y.fraction), x.high, y.low);
+    add((1 - x.fraction) * y.fraction, x.low, y.high);
+    add(x.fraction * y.fraction, x.high, y.high);
     if (share_ == 0) return {color, 0};
-    const float e = mix([&](int i, int j) { return excess(i, j); });
     const int row =
         std::clamp(int(std::floor(uv.y * float(image_.height) + 0.5f)), 0, image_.height);
     return {color, float(e * (row_weight(std::size_t(row)) / total_))};

@@ -57,6 +57,7 @@ private:
     };
     Axis across(float u) const;
     Axis down(float v) const;
+    float excess_of(Rgb pixel) const;                       // brightness above the mean
     float excess(int x, int y) const;                       // of a pixel
     float node(std::size_t column, std::size_t row) const;  // excess at a corner of cells
     float node_u(std::size_t column) const;
@@ -70,10 +71,10 @@ private:
     float mean_ = 0, share_ = 0, brightest_ = 0;
     double total_ = 0;  // integral of e g over the square
     std::uint64_t hash_ = 0;
-    // Cells lie between pixel centres and the edges: (width + 1) by (height + 1).
-    std::vector<float> row_end_;  // [row] probability of all rows up to this one
-    std::vector<float>
-        cell_end_;  // [row * (width + 1) + column], of all cells up to this, in its row
+    // Cells lie between pixel centres and the edges: (width + 1) by (height + 1). Probabilities up
+    // to and with each row, and within a row up to and with each cell.
+    std::vector<float> row_end_;   // [row]
+    std::vector<float> cell_end_;  // [row * (width + 1) + column]
 };
 
 }  // namespace tallow

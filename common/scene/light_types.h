@@ -22,7 +22,7 @@ Rgb intensity(const PointLight& light, const LightPoint& point, Vec3 w, float di
 Rgb intensity(const DirectionalLight& light, const LightPoint& point, Vec3 w, float distance);
 Rgb intensity(const SpotLight& light, const LightPoint& point, Vec3 w, float distance);
 
-// Lights with an area: light_area.cpp.
+// Lights with an area: light_quad.cpp, light_area.cpp.
 Sample sample(const QuadLight& light, Vec3 x, const Normal& n, Vec2 u);
 Sample sample(const DiscLight& light, Vec3 x, const Normal& n, Vec2 u);
 Sample sample(const SphereLight& light, Vec3 x, const Normal& n, Vec2 u);
@@ -48,6 +48,15 @@ std::optional<Emission> see(const EnvironmentLight& light, const Ray& ray);
 
 /// Direction and distance from x to p; nothing if they coincide.
 std::optional<std::pair<Vec3, float>> towards(Vec3 x, Vec3 p);
+
+/// Light of `strength` = radiance / pdf over the area, from a point p with normal n_light.
+Sample from_area(Vec3 x, Vec3 p, Vec3 n_light, Rgb strength);
+
+/// Intensity of a light's area element.
+Rgb cosine_intensity(const LightPoint& point, Vec3 w);
+
+/// Distance to where a ray meets the plane through `center` from the side of `normal`.
+std::optional<float> cross_plane(Vec3 center, Vec3 normal, const Ray& ray);
 
 /// Uniform on the unit sphere.
 Vec3 any_direction(Vec2 u);

@@ -76,6 +76,40 @@ TEST(Lights, DiscAboveASurface) {
     }
 }
 
+/// Form factor from a surface at the origin, facing up, to the rectangle [0, a] x [0, b] at height
+/// h (Siegel, Howell, configuration 2 of the catalogue of form factors).
+double corner_form_factor(double a, double b, double h) {
+    const double x = a / h, y = b / h, p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
+    return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * kPiD);
+}
+
+// From all distances, by area and by solid angle, below the quad and beside it; [0, 1] x [0, 2].
+TEST(Lights, QuadNearAndFar) {
+    for (const float h : {1e-4f, 0.01f, 0.3f, 1.0f, 2.0f, 20.0f})
+        for (const float x : {0.0f, 0.5f, 0.9f, 1.5f}) {
+            const Light light{QuadLight{{0.5f - x, h, 1}, {1, 0, 0}, {0, 0, 2}, -kUp, Rgb(1)}};
+            const double sign = x > 1 ? -1 : 1;
+            const double E = kPiD * (corner_form_factor(x, 2, h) +
+                                     sign * corner_form_factor(std::abs(1 - x), 2, h));
+            // Measured 2e-6.
+            EXPECT_NEAR(irradiance(light, Vec3(0), kUp).x, E, 1e-5 * E) << h << ' ' << x;
+            EXPECT_EQ(irradiance(light, {0, 2 * h, 0}, -kUp).x, 0) << "behind it";
+        }
+}
+
+// On the quad, in its plane, a rounding error below: nothing or finite light.
+TEST(Lights, QuadThatTouches) {
+    const Light light{test::ceiling(1, 2, Rgb(1))};
+    for (const Vec3 x : {Vec3(0, 1, 0), Vec3(0.3f, 0x1.fffffep-1f, 0.7f), Vec3(1, 1, 1),
+                         Vec3(3, 1, 0), Vec3(1, 0x1.fffffep-1f, 0), Vec3(0.5f, 1 - 1e-5f, 1)})
+        for (int k = 0; k < 64; ++k) {
+            const auto sample = sample_light(light, x, kUp, sobol_2d(std::uint32_t(k), 3));
+            if (!sample) continue;
+            EXPECT_TRUE(is_finite(sample->radiance) && is_finite(sample->w_i));
+            EXPECT_LE(sample->radiance.r, kTwoPi * 1.001f);
+        }
+}
+
 // A small disc seen under an angle, from the side: L A cos cos / d^2.
 TEST(Lights, SmallDiscFromTheSide) {
     const Vec3 normal = glm::normalize(Vec3(-1, -2, 0));
