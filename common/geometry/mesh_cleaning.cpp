@@ -74,12 +74,16 @@ private:
 /// Takes polygons one by one, leaves triangles.
 class PolygonCutter {
 public:
-    PolygonCutter(TriangleSoup& soup, RepairReport& report)
-        : soup_(soup), report_(report), mender_(soup.vertices.size()) {}
+    PolygonCutter(TriangleSoup& soup, bool keep_polygons, RepairReport& report)
+        : soup_(soup),
+          keep_polygons_(keep_polygons),
+          report_(report),
+          mender_(soup.vertices.size()) {}
 
     void add(const Polygon& polygon) {
         cut_or_copy(polygon);
-        soup_.polygon.resize(soup_.triangles.size(), next_++);
+        if (keep_polygons_) soup_.polygon.resize(soup_.triangles.size(), next_);
+        ++next_;
     }
 
 private:
@@ -112,6 +116,7 @@ private:
     }
 
     TriangleSoup& soup_;
+    bool keep_polygons_;
     RepairReport& report_;
     CornerMender mender_;
     std::uint32_t next_ = 0;  // number of the next polygon
@@ -123,7 +128,7 @@ TriangleSoup clean_soup(const PolygonSoup& file, RepairReport& report) {
     TriangleSoup soup;
     const std::vector<std::uint32_t> number = share_vertices(file, soup.vertices, report);
     soup.triangles.reserve(file.polygons.size());
-    PolygonCutter cutter(soup, report);
+    PolygonCutter cutter(soup, !file.uvs.empty(), report);
     Polygon renumbered;
     for (const Polygon& polygon : file.polygons) {
         renumbered.clear();

@@ -93,14 +93,14 @@ private:
         alive_[index] = false;
         --splits_left_;
         if (apex == middle) return;
-        add({a, middle, apex}, soup_.polygon[index]);
-        add({middle, b, apex}, soup_.polygon[index]);
+        add({a, middle, apex}, index);
+        add({middle, b, apex}, index);
     }
 
-    void add(const Triangle& t, std::uint32_t polygon) {
+    void add(const Triangle& t, std::uint32_t part_of) {
         const auto index = static_cast<std::uint32_t>(soup_.triangles.size());
         soup_.triangles.push_back(t);
-        soup_.polygon.push_back(polygon);
+        if (!soup_.polygon.empty()) soup_.polygon.push_back(soup_.polygon[part_of]);
         alive_.push_back(true);
         register_edges(index);
         enqueue_if_flat(index);

@@ -20,7 +20,8 @@ namespace tallow {
 struct TriangleSoup {
     std::vector<Vec3> vertices;
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> polygon{};  // [triangle] the polygon of the file that it is part of
+    // [triangle] the polygon of the file that it is part of; empty if the file has no uvs
+    std::vector<std::uint32_t> polygon{};
 };
 
 /// Keeps triangle t where keep(t).
@@ -30,11 +31,11 @@ void keep_triangles(TriangleSoup& soup, Keep&& keep) {
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
         if (!keep(t)) continue;
         soup.triangles[kept] = soup.triangles[t];
-        soup.polygon[kept] = soup.polygon[t];
+        if (!soup.polygon.empty()) soup.polygon[kept] = soup.polygon[t];
         ++kept;
     }
     soup.triangles.resize(kept);
-    soup.polygon.resize(kept);
+    if (!soup.polygon.empty()) soup.polygon.resize(kept);
 }
 
 /// Step 1: drops unused vertices, joins coincident ones, takes polygons that touch themselves in a
