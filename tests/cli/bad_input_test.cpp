@@ -274,10 +274,10 @@ TEST(BadInput, Caches) {
         "bad.tallow: cut short: 20 bytes, the header alone has 40; re-run tallow-precompute");
     expect_cache_refused(
         folder, good.substr(0, good.size() - 1),
-        "bad.tallow: header: expected a file of 3840 bytes, got 3839; re-run tallow-precompute");
+        "bad.tallow: header: expected a file of 3592 bytes, got 3591; re-run tallow-precompute");
     expect_cache_refused(
         folder, good + '\0',
-        "bad.tallow: header: expected a file of 3840 bytes, got 3841; re-run tallow-precompute");
+        "bad.tallow: header: expected a file of 3592 bytes, got 3593; re-run tallow-precompute");
     expect_cache_refused(
         folder, with_byte(8, 2),
         "bad.tallow: format version 2, but this program reads version 1; re-run tallow-precompute");
