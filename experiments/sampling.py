@@ -34,6 +34,7 @@ import subprocess
 import sys
 
 import matplotlib
+import matplotlib.ticker
 import numpy
 
 matplotlib.use("Agg")
@@ -93,10 +94,13 @@ def plot_kinds(rows, x_of, x_label, file):
                         "o-", color=KINDS[kind], label=kind, markersize=4)
         axis.set_title(f"{body}, marble x {density}", fontsize=10)
         axis.set_xlabel(x_label)
+        axis.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         axis.grid(True, which="major", alpha=0.4)
     for axis in axes[:, 0]:
         axis.set_ylabel("relRMSE")
-    axes[0][0].legend(fontsize=8)
+    known = {label: line for axis in axes.flat
+             for line, label in zip(*axis.get_legend_handles_labels())}
+    axes.flat[0].legend(known.values(), known.keys(), fontsize=8)
     figure.tight_layout()
     figure.savefig(file, dpi=90)
 
