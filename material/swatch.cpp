@@ -45,10 +45,10 @@ Image render_column(const SubsurfaceMaterial& material, const std::filesystem::p
                     Progress& progress, Stats& stats) {
     const Scene scene = swatch_scene(material);
     const TemporaryFile cache_file(cache_beside(output));
-    PrecomputeOptions options_of_pass_one;
-    options_of_pass_one.sampling.spacing = std::max(
+    PrecomputeOptions wish;
+    wish.sampling.spacing = std::max(
         kFinestSpacing, automatic_spacing(material.medium, scene.settings.tolerance, kExtent));
-    precompute(scene, options_of_pass_one, cache_file.path(), progress, stats);
+    precompute(scene, wish, cache_file.path(), progress, stats);
 
     const MappedCache cache(cache_file.path());
     RenderOptions options;

@@ -11,11 +11,16 @@
 
 namespace tallow {
 
-/// Spacing of samples for a medium and a tolerance: 0.35 of the smallest channel's mean free path
-/// at 1 %, growing with the square root of the tolerance, because the error of a midpoint rule
-/// grows with the square of the spacing. At most a fifth of the body's extent.
+/// Spacing of samples for a medium and a tolerance: h = 0.35 (tolerance / 1 %)^0.6 mean free paths
+/// of the smallest channel, but at most a fifth of the body's extent.
 ///
 /// Units    mm.
+/// Error    0.7 times the tolerance by the samples alone, which leaves as much to their summation
+///          (the squares add up to the tolerance's). Fitted to the profile `transport` and to
+///          `photon-beam-diffusion`, whose errors grow as h^1.65: 1 % at 0.39 to 0.47 mean free
+///          paths, on three bodies in two media (docs/SAMPLING.md). The dipoles would do with
+///          larger spacings; normalized diffusion, which goes as 1/r, has errors some twenty times
+///          as large. The model is no parameter: pass one does not know it.
 float automatic_spacing(const Medium& medium, double tolerance, float extent);
 
 /// What the user wants; with neither, the spacing is automatic for each body.

@@ -31,7 +31,7 @@ constexpr double kScrap = 0.125;
 // A fragment faces the same way as its cluster within 40 degrees; this share of a cluster's area
 // may not. Chosen: the faces of a right-angled edge are 45 degrees from their mean.
 constexpr float kSameWay = 0.7660444f;
-constexpr double kTolerated = 0.05;
+constexpr double kTolerated = 0.01;
 
 // The side of a cube that a normal points through.
 std::uint64_t dominant_side(Vec3 n) {
@@ -41,12 +41,14 @@ std::uint64_t dominant_side(Vec3 n) {
 }
 
 /// Cube in which a cell lies. 20 bits an axis: cubes a million apart share a number, which costs
-/// nothing, for their fragments are not connected.
+/// nothing, for their fragments are not connected. The cubes' corners keep away from the origin,
+/// where bodies often have their middle.
 std::uint64_t cube_of(const Cell& cell, float spacing) {
+    constexpr double kShift = 0.381966;
     std::uint64_t cube = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        const auto i = std::int64_t(std::floor(double(cell.center[axis]) / (kCubeSide * spacing)));
-        cube = cube << 20 | (std::uint64_t(i) & 0xfffff);
+        const double x = double(cell.center[axis]) / (kCubeSide * double(spacing)) + kShift;
+        cube = cube << 20 | (std::uint64_t(std::int64_t(std::floor(x))) & 0xfffff);
     }
     return cube;
 }

@@ -21,7 +21,7 @@ struct Cluster {
 ///   and direction form one together, or noise would make a cell of each of its triangles);
 /// - a patch of area A is halved across its longest extent until there are A / h^2 clusters, none
 ///   longer than 2 h;
-/// - a cluster is parted where more than a twentieth of its area faces more than 40 degrees away
+/// - a cluster is parted where more than a hundredth of its area faces more than 40 degrees away
 ///   from its mean normal.
 ///
 /// So no cluster holds both sides of a thin sheet or of a sharp edge, or two sheets that lie on one

@@ -6,9 +6,9 @@
 #include <array>
 
 #include "common/cloud/cache_io.h"
+#include "common/exitance/exitance_field.h"
 #include "common/image/image.h"
 #include "precompute/precompute.h"
-#include "common/exitance/exitance_field.h"
 #include "render/render_image.h"
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/support/scene_text.h"
@@ -49,7 +49,7 @@ std::vector<float> render(const SceneTerms& terms) {
     Progress quiet(true);
     Stats stats;
     const auto cache = test_out("cache.tallow");
-    precompute(scene, {float(terms.spacing * terms.scale)}, cache, quiet, stats);
+    precompute(scene, {{float(terms.spacing * terms.scale), {}}}, cache, quiet, stats);
     const MappedCache mapped(cache);
     RenderOptions options;
     options.crop = {0, 0, 16, 16};
