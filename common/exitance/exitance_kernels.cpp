@@ -3,7 +3,9 @@
 #include "common/exitance/exitance_kernels.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "common/base/parallel.h"
 #include "common/exitance/smoothed_profile.h"
 
 namespace tallow {
@@ -46,9 +48,8 @@ Treatment treat(const Profile& profile, double mean_free_path, double spacing) {
     const double share = parts.beta / profile.total_reflectance();
     const double used = smooth_step(kCorrectFrom, kCorrectTo, share);
     const double t = 1 - smooth_step(kPlainFrom, kCorrectFrom, share);
-    const double centre = SmoothedProfile(profile, mean_free_path, {corrected})(0) / profile(0);
     const double sigma = (kCorrected + t * (kSharpened - kCorrected)) * spacing *
-                         smooth_step(kSmoothFrom, kSmoothTo, 1 - centre);
+                         smooth_step(kSmoothFrom, kSmoothTo, 1 - parts.centre / profile(0));
     return {{sigma, t}, used * parts.beta, used * parts.kappa};
 }
 
@@ -59,20 +60,20 @@ ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders 
     const Rgb scale = medium.mean_free_path();
     std::array<std::unique_ptr<Profile>, 3> profiles;
     std::array<double, 3> scales{}, beta{}, kappa{};
-    for (int channel = 0; channel < 3; ++channel) {
-        const auto c = std::size_t(channel);
-        profiles[c] = make_profile(model, medium, channel, orders);
-        scales[c] = scale[channel];
+    parallel_for(3, 1, [&](std::size_t c) {
+        profiles[c] = make_profile(model, medium, int(c), orders);
+        scales[c] = scale[int(c)];
         const Treatment treatment = treat(*profiles[c], scales[c], spacing_mm);
         beta[c] = treatment.beta, kappa[c] = treatment.kappa;
-        if (treatment.smoothing.sigma < kLeastSmoothing * spacing_mm) continue;
+        if (treatment.smoothing.sigma < kLeastSmoothing * spacing_mm) return;
         profiles[c] =
             std::make_unique<SmoothedProfile>(*profiles[c], scales[c], treatment.smoothing);
         scales[c] = std::max(scales[c], treatment.smoothing.sigma);
-    }
+    });
     const double unit = KernelTable::unit_near((scales[0] + scales[1] + scales[2]) / 3);
-    const auto table = [&](std::size_t c) { return tabulate(*profiles[c], scales[c], unit); };
-    return {{table(0), table(1), table(2)}, beta, kappa, kCorrected * spacing_mm};
+    std::array<std::optional<KernelTable>, 3> tables;
+    parallel_for(3, 1, [&](std::size_t c) { tables[c] = tabulate(*profiles[c], scales[c], unit); });
+    return {{*tables[0], *tables[1], *tables[2]}, beta, kappa, kCorrected * spacing_mm};
 }
 
 std::array<KernelTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders) {

@@ -19,27 +19,27 @@ namespace tallow {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-constexpr double kStep = 0.06;       // of tau; halved, results change by less than 1e-7
-constexpr double kInnerZ = 1e-6;     // mean free paths; less than 1e-7 of any profile lies inside
-constexpr double kReach = 8.5;       // standard deviations; e^(-kReach^2 / 2) is 2e-16
-constexpr double kNodesEnd = 25;     // sigma
-constexpr double kWindowFrom = 16;   // sigma; from here on R varies slowly against g, or is nothing
-constexpr double kGridStep = 0.045;  // of t = ln(1 + (r / sigma)^2) / 2
-constexpr double kEnd = 1e-15;       // of the total per sigma^2 (or mean free path^2)
+constexpr double kStep = 0.12;      // of tau; halved, results change by less than 1e-6
+constexpr double kInnerZ = 1e-6;    // mean free paths; less than 1e-7 of any profile lies inside
+constexpr double kReach = 8.5;      // standard deviations; e^(-kReach^2 / 2) is 2e-16
+constexpr double kNodesEnd = 25;    // sigma
+constexpr double kWindowFrom = 16;  // sigma; from here on R varies slowly against g, or is nothing
+constexpr double kGridStep = 0.06;  // of t = ln(1 + (r / sigma)^2) / 2
+constexpr double kEnd = 1e-15;      // of the total per sigma^2 (or mean free path^2)
 
-// e^-x I_0(x) and e^-x I_1(x)
-struct ScaledBessel {
-    double i0, i1;
-};
+// e^-x I_0(x), e^-x I_1(x); from kAsymptotic on by their asymptotic series, good to 1e-9.
+constexpr double kAsymptotic = 40;
 
-ScaledBessel scaled_bessel(double x) {
-    if (x < 60) {
-        const double scale = std::exp(-x);
-        return {scale * boost::math::cyl_bessel_i(0, x), scale * boost::math::cyl_bessel_i(1, x)};
-    }
-    const double y = 1 / (8 * x), root = std::sqrt(2 * kPiD * x);  // asymptotic, good to 1e-11
-    return {(1 + y * (1 + y * (4.5 + y * (37.5 + y * 459.375)))) / root,
-            (1 - y * (3 + y * (7.5 + y * (52.5 + y * 590.625)))) / root};
+double scaled_bessel_i0(double x) {
+    if (x < kAsymptotic) return std::exp(-x) * boost::math::cyl_bessel_i(0, x);
+    const double y = 1 / (8 * x);
+    return (1 + y * (1 + y * (4.5 + y * (37.5 + y * 459.375)))) / std::sqrt(2 * kPiD * x);
+}
+
+double scaled_bessel_i1(double x) {
+    if (x < kAsymptotic) return std::exp(-x) * boost::math::cyl_bessel_i(1, x);
+    const double y = 1 / (8 * x);
+    return (1 - y * (3 + y * (7.5 + y * (52.5 + y * 590.625)))) / std::sqrt(2 * kPiD * x);
 }
 
 // Nodes z_k and weights such that the sum of weight f(z_k) is the integral of R(z) f(z) z dz.
@@ -65,8 +65,10 @@ std::vector<Node> quadrature(const Profile& profile, double mean_free_path, doub
 double ring_weight(double r, double z, Smoothing smoothing) {
     const double sigma2 = smoothing.sigma * smoothing.sigma, x = r * z / sigma2;
     const double half_d2 = 0.5 * (r - z) * (r - z) / sigma2;
-    const auto [i0, i1] = scaled_bessel(x);
-    const double sharpened = i0 + smoothing.t * ((1 - half_d2) * i0 - x * (i0 - i1));
+    const double i0 = scaled_bessel_i0(x);
+    double sharpened = i0;
+    if (smoothing.t > 0)
+        sharpened += smoothing.t * ((1 - half_d2) * i0 - x * (i0 - scaled_bessel_i1(x)));
     return std::exp(-half_d2) * sharpened / sigma2;
 }
 
@@ -101,7 +103,7 @@ double edge_weight(double rho) {
         double sum = 0;
         for (int i = 0; i < n; ++i) {
             const double t = b * (i + 0.5) / n;
-            sum += scaled_bessel(rho * rho / (8 * t * t)).i0;
+            sum += scaled_bessel_i0(rho * rho / (8 * t * t));
         }
         return sum * b / n;
     };
@@ -144,11 +146,12 @@ double SmoothedProfile::operator()(double r2) const {
 }
 
 NearbyParts nearby_parts(const Profile& profile, double mean_free_path, double sigma) {
-    NearbyParts parts{0, 0};
+    NearbyParts parts{0, 0, 0};
     for (const Node& node : quadrature(profile, mean_free_path, sigma)) {
         const double rho = node.z / sigma, q = rho * rho / 4;
         parts.beta += 2 * kPiD * node.weight * edge_weight(rho);
         parts.kappa += 2 * kPiD * node.weight * (1 - 2 * q + q * q / 2) * std::exp(-q);
+        parts.centre += node.weight * std::exp(-2 * q) / (sigma * sigma);
     }
     return parts;
 }

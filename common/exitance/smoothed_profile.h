@@ -56,9 +56,9 @@ private:
 /// makes of the noise of sums with g; samples that are spread evenly have a noise that grows as
 /// k^4.
 ///
-/// Units    1.
+/// Units    1; `centre`, which is (R * g)(0), 1/mm^2.
 struct NearbyParts {
-    double beta, kappa;
+    double beta, kappa, centre;
 };
 NearbyParts nearby_parts(const Profile& profile, double mean_free_path, double sigma);
 
