@@ -14,6 +14,7 @@
 #include "common/exitance/exit_factor.h"
 #include "common/exitance/exitance_field.h"
 #include "render/film.h"
+#include "render/march_steps.h"
 #include "render/shade.h"
 #include "render/single_scatter.h"
 
@@ -28,10 +29,8 @@ constexpr int kSamplesPerPass = 16;
 // Camera rays that are held in memory at once. Chosen: many, so that neighbours meet in a band.
 constexpr std::size_t kRaysPerBand = 1 << 18;
 
-// Depths of the ray march through a body and shadow rays to each area light on opaque surfaces: so
-// many a pixel, shared by its camera rays, but at least so many each. Chosen: 64 depths leave 0.1
-// to 0.4 % of single scattering as noise (table in single_scatter.h).
-constexpr int kMarchStepsPerPixel = 64, kLeastMarchSteps = 4;
+// Shadow rays to each area light on opaque surfaces: so many a pixel, shared by its camera rays,
+// but at least so many each.
 constexpr int kShadowRaysPerPixel = 64, kLeastShadowRays = 1;
 
 /// A translucent body ready to be shaded.
@@ -40,6 +39,7 @@ struct Body {
     SurfaceFactors factors;
     ExitanceField exitance;
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
+    MarchSteps march_steps{};                         // of a camera ray, and of a pixel
 };
 
 struct Counts {
@@ -99,17 +99,21 @@ public:
         }
     }
 
-    void add_single_scattering() {
-        const int steps =
-            std::max(kLeastMarchSteps, kMarchStepsPerPixel / view_.scene.settings.samples);
+    void add_single_scattering(std::uint32_t object, MarchSteps steps) {
+        const Body& body = *view_.bodies[object];
+        std::vector<const ShadingPoint*> points;
+        std::vector<EyePoint> eyes;
         for (const ShadingPoint& point : hits_.points) {
-            const auto& body = view_.bodies[point.hit.object];
-            if (!body || body->material->single_scattering == Switch::off) continue;
-            add(point, &Pixel::single,
-                single_scatter(view_.scene, view_.rays, view_.geometry.surfaces[point.hit.object],
-                               body->material->medium, point.hit, point.w_o, steps, point.seed,
-                               body->connections ? &*body->connections : nullptr));
+            if (point.hit.object != object) continue;
+            points.push_back(&point);
+            eyes.push_back({point.hit, point.w_o, point.pixel_seed,
+                            point.ray * std::uint32_t(steps.of_point)});
         }
+        std::vector<Rgb> L(points.size());
+        single_scatter({view_.scene, view_.rays, view_.geometry.surfaces[object], object,
+                        body.material->medium, body.connections ? &*body.connections : nullptr},
+                       eyes, steps, L);
+        for (std::size_t i = 0; i < points.size(); ++i) add(*points[i], &Pixel::single, L[i]);
     }
 
     void add_reflected_light() {
@@ -182,7 +186,8 @@ private:
         for (std::uint32_t object = 0; object < view_.bodies.size(); ++object)
             if (view_.bodies[object]) add_multiple_scattering(object);
         timer.stop();
-        for_tiles("single", [](TileRenderer& tile) { tile.add_single_scattering(); });
+        for (std::uint32_t object = 0; object < view_.bodies.size(); ++object)
+            if (view_.bodies[object]) add_single_scattering(object);
         for_tiles("surface", [](TileRenderer& tile) { tile.add_reflected_light(); });
     }
 
@@ -190,6 +195,12 @@ private:
     void for_tiles(const char* phase, const Work& work) {
         const PhaseTimer timer(stats_, phase);
         parallel_for(tiles_.size(), 1, [&](std::size_t i) { work(tiles_[i]); });
+    }
+
+    void add_single_scattering(std::uint32_t object) {
+        if (view_.bodies[object]->material->single_scattering == Switch::off) return;
+        const MarchSteps steps = view_.bodies[object]->march_steps;
+        for_tiles("single", [&](TileRenderer& tile) { tile.add_single_scattering(object, steps); });
     }
 
     void add_multiple_scattering(std::uint32_t object) {
@@ -255,6 +266,10 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
                 tabulate_profiles(material->model, material->medium, orders_of_exitance(*material)),
                 accuracy),
             {}});
+        const int steps =
+            march_steps_of_pixel(material->model, material->medium, accuracy.tolerance);
+        bodies[view.object]->march_steps = {std::max(1, steps / scene.settings.samples),
+                                            std::max(steps, scene.settings.samples)};
         if (material->connection == Connection::exact)
             bodies[view.object]->connections.emplace(geometry.surfaces[view.object],
                                                      material->medium.eta);
