@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/base/parse_whole.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_info.h"
 #include "common/cloud/cache_io.h"
@@ -17,9 +18,8 @@ namespace {
 struct Arguments {
     std::filesystem::path scene;
     std::optional<std::filesystem::path> output, info, export_ply;
-    std::string spacing = "auto";
+    std::string spacing = "auto", light_samples;
     std::optional<double> tolerance;
-    std::optional<int> light_samples;
     std::vector<std::string> overrides;
 };
 
@@ -32,8 +32,11 @@ void declare(CommandLine& line, Arguments& a) {
               "MM|auto");
     line.number("--tolerance", a.tolerance, 0, std::nextafter(1.0, 0.0), "a number in [0, 1)",
                 "Accepted relRMSE, used by --spacing auto [default: the scene's, or 0.01]");
-    line.integer("--light-samples", a.light_samples, 1, 65536, "an integer in [1, 65536]",
-                 "Shadow rays for each sample and area light [default: the scene's, or 16]");
+    line.text(
+        "--light-samples", a.light_samples,
+        "Shadow rays for each sample and area light, or auto: as many as the tolerance needs, "
+        "found by a pilot [default: the scene's, or auto]",
+        "N|auto");
     line.text_list("--set", a.overrides,
                    "Override a value of the scene, e.g. materials.wax.eta=1.4", "KEY=VALUE");
     line.path("--info", a.info, "Print what a cache file holds, and stop");
@@ -47,6 +50,16 @@ void show_info(const Arguments& a) {
     if (a.export_ply) export_ply(*a.export_ply, cache.view());
 }
 
+std::optional<int> parse_light_samples(const Arguments& a) {
+    if (a.light_samples == "auto") return std::nullopt;
+    const std::optional<int> count = parse_whole<int>(a.light_samples);
+    if (!count || *count < 1 || *count > 65536)
+        throw UsageError(
+            fmt::format("--light-samples: expected an integer in [1, 65536], or auto, got '{}'",
+                        a.light_samples));
+    return count;
+}
+
 void make_cache(const Arguments& a, ToolRun& run) {
     if (a.scene.empty()) throw UsageError("SCENE: expected a scene file");
     if (!a.output) throw UsageError("--output: expected a cache file to write");
@@ -58,7 +71,7 @@ void make_cache(const Arguments& a, ToolRun& run) {
     Scene scene = load_scene(a.scene, a.overrides);
     load_timer.stop();
     if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
-    if (a.light_samples) scene.settings.light_samples = *a.light_samples;
+    if (!a.light_samples.empty()) scene.settings.light_samples = parse_light_samples(a);
 
     precompute(scene, options, *a.output, run.progress, run.stats);
     if (a.export_ply) export_ply(*a.export_ply, MappedCache(*a.output).view());

@@ -3,6 +3,7 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -106,9 +107,23 @@ private:
     void gather_light(const Medium& medium, SampledBody& body) {
         const PhaseTimer timer(stats_, "irradiance");
         progress_.begin("irradiance", body.samples.size(), "samples");
-        const LightSampleCounts counts = equal_light_samples(scene_, scene_.settings.light_samples);
+        const LightSampleCounts counts = light_sample_counts(medium, body);
         body.groups = gather_irradiance(scene_, rays_, body.samples, medium.eta, counts, progress_);
         progress_.end();
+    }
+
+    LightSampleCounts light_sample_counts(const Medium& medium, const SampledBody& body) {
+        const std::optional<int> fixed = scene_.settings.light_samples;
+        const LightSampleCounts counts =
+            fixed ? equal_light_samples(scene_, *fixed)
+                  : choose_light_samples(scene_, rays_, body.samples, medium,
+                                         scene_.settings.tolerance);
+        if (!fixed)
+            progress_.note(fmt::format("{}: rays of each sample to the lights: {}",
+                                       scene_.objects[body.object].where, fmt::join(counts, ", ")));
+        for (const int count : counts) light_rays_ += count * std::int64_t(body.samples.size());
+        stats_.counts["light_rays"] = light_rays_;
+        return counts;
     }
 
     const Scene& scene_;
@@ -117,6 +132,7 @@ private:
     const PrecomputeOptions& options_;
     Progress& progress_;
     Stats& stats_;
+    std::int64_t light_rays_ = 0;
 };
 
 CacheView make_cache(const Scene& scene, const SceneGeometry& geometry,

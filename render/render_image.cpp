@@ -29,10 +29,6 @@ constexpr int kSamplesPerPass = 16;
 // Camera rays that are held in memory at once. Chosen: many, so that neighbours meet in a band.
 constexpr std::size_t kRaysPerBand = 1 << 18;
 
-// Shadow rays to each area light on opaque surfaces: so many a pixel, shared by its camera rays,
-// but at least so many each.
-constexpr int kShadowRaysPerPixel = 64, kLeastShadowRays = 1;
-
 /// A translucent body ready to be shaded.
 struct Body {
     const SubsurfaceMaterial* material;
@@ -55,6 +51,7 @@ struct View {
     const std::vector<std::optional<Body>>& bodies;  // [object]
     const std::vector<Rgb>& albedos;                 // [material]
     const Camera& camera;
+    double tolerance;
 };
 
 /// The pixels of a tile, filled pass by pass, and what the camera rays of the pass have met.
@@ -118,7 +115,7 @@ public:
 
     void add_reflected_light() {
         const int light_samples =
-            std::max(kLeastShadowRays, kShadowRaysPerPixel / view_.scene.settings.samples);
+            std::max(1, shadow_rays_of_pixel(view_.tolerance) / view_.scene.settings.samples);
         for (const ShadingPoint& point : hits_.points)
             if (!view_.bodies[point.hit.object])
                 add(point, &Pixel::diffuse,
@@ -311,7 +308,7 @@ Image render_image(const Scene& scene, const SceneGeometry& geometry, const Cach
     for (const Material& material : scene.materials) albedos.push_back(albedo(material));
 
     const Tile& crop = options.crop;
-    const View view{scene, geometry, rays, bodies, albedos, camera};
+    const View view{scene, geometry, rays, bodies, albedos, camera, options.accuracy.tolerance};
     std::vector<Pixel> pixels(crop.pixels());
     Counts counts;
     progress.begin("render", crop.pixels(), "pixels");

@@ -2,6 +2,9 @@
 // Terms of the shading sum that need no look inside a body.
 #include "render/shade.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/base/overloaded.h"
 #include "common/lighting/direct_light.h"
 #include "common/optics/fresnel.h"
@@ -11,7 +14,8 @@ namespace {
 
 Rgb direct_light(const Scene& scene, const RayScene& rays, const ShadingPoint& point,
                  int light_samples, Acceptance accept) {
-    const Receiver receiver{point.hit.position, point.hit.n_g, point.hit.n, point.seed};
+    const Receiver receiver{point.hit.position, point.hit.n_g, point.hit.n, point.pixel_seed,
+                            point.ray * std::uint32_t(light_samples)};
     std::vector<Rgb> E(scene.groups.size());
     add_direct_light(scene, rays, receiver, light_samples, accept, E);
     return scaled_sum(scene.groups, E);
@@ -38,6 +42,11 @@ Rgb reflect_direct_light(const Scene& scene, const RayScene& rays, const Shading
         return kInvPi * leaving * base * E_t;
     }
     return {};
+}
+
+int shadow_rays_of_pixel(double tolerance) {
+    const double rays = std::log2(0.35 / std::max(tolerance, 1e-4));
+    return 1 << int(std::lround(std::max(0.0, rays)));
 }
 
 Rgb albedo(const Material& material) {

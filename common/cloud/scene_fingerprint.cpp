@@ -161,8 +161,9 @@ Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry)
     for (std::size_t i = 0; i < scene.lights.size(); ++i) add_light(fingerprint, scene, i);
     for (std::size_t i = 0; i < scene.groups.size(); ++i)
         fingerprint.emplace_back(fmt::format("groups[{}].name", i), scene.groups[i].name);
-    fingerprint.emplace_back("sampling.light_samples",
-                             fmt::format("{}", scene.settings.light_samples));
+    fingerprint.emplace_back(
+        "sampling.light_samples",
+        scene.settings.light_samples ? fmt::format("{}", *scene.settings.light_samples) : "auto");
     return fingerprint;
 }
 

@@ -183,7 +183,7 @@ TEST(BadInput, Flags) {
          "--spacing: expected a number of mm > 0, or auto, got '0'"},
         {false,
          {scene, "-o", cache, "--light-samples", "2.5"},
-         "--light-samples: expected an integer in [1, 65536], got '2.5'"},
+         "--light-samples: expected an integer in [1, 65536], or auto, got '2.5'"},
         {false, {scene, "-o", cache, "--colour"}, "unknown flag '--colour', see --help"},
         {false, {scene, "-o", cache, "-o", cache}, "--output: given 2 times"},
         {false, {scene, "more.yaml", "-o", cache}, "unexpected argument 'more.yaml', see --help"},

@@ -84,7 +84,7 @@ TEST(SceneFingerprint, IsReadable) {
         {"lights[1].group", "fill"},
         {"groups[0].name", "key"},
         {"groups[1].name", "fill"},
-        {"sampling.light_samples", "16"},
+        {"sampling.light_samples", "auto"},
     };
     EXPECT_EQ(fingerprint_after([](TestScene&) {}), expected);
 }
