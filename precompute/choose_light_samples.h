@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/optics/medium.h"
 #include "precompute/gather_irradiance.h"
 
 namespace tallow {
 
 /// `rays` for each light that has a size, one for the others.
 LightSampleCounts equal_light_samples(const Scene& scene, int rays);
+
+/// The number of rays for each light, so that the noise of the exitance stays below a third of the
+/// tolerance: relRMSE against the mean irradiance by all lights, with the scales that the scene
+/// gives to its groups, and a group that is left alone when others are dimmed has at most ten times
+/// as much (chosen). Powers of two, at most 256; lights without a size get one.
+///
+/// A pilot gathers each light on a part of the samples (one block of 64, at least 64 blocks) twice,
+/// with different sequences, with 1, 2, 4, ... rays until half the mean square difference of
+/// patches is small enough. A patch is as many neighbouring samples as the exitance averages,
+///
+///     n = (integral of R)^2 / (h^2 integral of R^2) = 4 (mfp / h)^2,
+///
+/// h^2 the area of a sample, mfp the shortest mean free path; a power of two, no more than a block.
+/// A tolerance below 1e-4 counts as that.
+///
+/// Error    4 is fitted: on the bunny in marble at 1 %, with 1 to 16 rays, the pilot finds 0.4 to
+///          0.9 of the noise that gather_irradiance() lists for the lamp, 2.0 to 2.2 of the sky's
+///          and 0.9 to 1.1 of the sphere's. It asks for 4, 32 and 16 rays where each is alone.
+LightSampleCounts choose_light_samples(const Scene& scene, const RayScene& rays,
+                                       const SurfaceSamples& samples, const Medium& medium,
+                                       double tolerance);
 
 }  // namespace tallow

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/base/parse_whole.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_info.h"
 #include "common/cloud/cache_io.h"
@@ -17,11 +18,9 @@ namespace {
 struct Arguments {
     std::filesystem::path scene;
     std::optional<std::filesystem::path> output, info, export_ply;
-    std::string spacing;
-    std::optional<double> points;
-    std::optional<double> tolerance;
-    std::optional<int> light_samples, bounces;
-    std::optional<double> checkpoint_seconds;
+    std::string spacing, light_samples;
+    std::optional<double> points, tolerance, checkpoint_seconds;
+    std::optional<int> bounces;
     bool resume = false;
     std::vector<std::string> overrides;
 };
@@ -38,8 +37,11 @@ void declare(CommandLine& line, Arguments& a) {
                 "auto would; in place of --spacing");
     line.number("--tolerance", a.tolerance, 0, std::nextafter(1.0, 0.0), "a number in [0, 1)",
                 "Accepted relRMSE, used by --spacing auto [default: the scene's, or 0.01]");
-    line.integer("--light-samples", a.light_samples, 1, 65536, "an integer in [1, 65536]",
-                 "Shadow rays for each sample and area light [default: the scene's, or 16]");
+    line.text(
+        "--light-samples", a.light_samples,
+        "Shadow rays for each sample and area light, or auto: as many as the tolerance needs, "
+        "found by a pilot [default: the scene's, or auto]",
+        "N|auto");
     line.integer("--bounces", a.bounces, 0, 64, "an integer in [0, 64]",
                  "Times that light may be reflected before it reaches a sample; 0 leaves indirect "
                  "light out [default: the scene's, or 2 where anything reflects]");
@@ -60,6 +62,16 @@ void show_info(const Arguments& a) {
     if (a.export_ply) export_ply(*a.export_ply, cache.view());
 }
 
+std::optional<int> parse_light_samples(const Arguments& a) {
+    if (a.light_samples == "auto") return std::nullopt;
+    const std::optional<int> count = parse_whole<int>(a.light_samples);
+    if (!count || *count < 1 || *count > 65536)
+        throw UsageError(
+            fmt::format("--light-samples: expected an integer in [1, 65536], or auto, got '{}'",
+                        a.light_samples));
+    return count;
+}
+
 void make_cache(const Arguments& a, ToolRun& run) {
     if (a.scene.empty()) throw UsageError("SCENE: expected a scene file");
     if (!a.output) throw UsageError("--output: expected a cache file to write");
@@ -77,7 +89,7 @@ void make_cache(const Arguments& a, ToolRun& run) {
     if (a.bounces) scene.settings.bounces = *a.bounces;
     options.checkpoint.resume = a.resume;
     if (a.checkpoint_seconds) options.checkpoint.seconds = *a.checkpoint_seconds;
-    if (a.light_samples) scene.settings.light_samples = *a.light_samples;
+    if (!a.light_samples.empty()) scene.settings.light_samples = parse_light_samples(a);
 
     precompute(scene, options, *a.output, run.progress, run.stats);
     if (a.export_ply) export_ply(*a.export_ply, MappedCache(*a.output).view());

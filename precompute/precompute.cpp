@@ -4,6 +4,7 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -64,7 +65,7 @@ public:
         const std::size_t count = body.samples.size();
         body.direct.assign(scene_.groups.size(),
                            {std::vector<Rgb>(count, Rgb(0)), std::vector<Vec3>(count, Vec3(0))});
-        const LightSampleCounts counts = equal_light_samples(scene_, scene_.settings.light_samples);
+        const LightSampleCounts counts = light_sample_counts(body);
         progress_.begin("irradiance", count, "samples");
         for (std::size_t begin = 0; begin < count; begin += kChunk) {
             const std::size_t end = std::min(count, begin + kChunk);
@@ -81,11 +82,27 @@ public:
     }
 
 private:
+    LightSampleCounts light_sample_counts(const SampledBody& body) {
+        const std::optional<int> fixed = scene_.settings.light_samples;
+        const LightSampleCounts counts =
+            fixed ? equal_light_samples(scene_, *fixed)
+                  : choose_light_samples(scene_, rays_, body.samples,
+                                         subsurface(scene_, body.object)->medium,
+                                         scene_.settings.tolerance);
+        if (!fixed)
+            progress_.note(fmt::format("{}: rays of each sample to the lights: {}",
+                                       scene_.objects[body.object].where, fmt::join(counts, ", ")));
+        for (const int count : counts) light_rays_ += count * std::int64_t(body.samples.size());
+        stats_.counts["light_rays"] = light_rays_;
+        return counts;
+    }
+
     const Scene& scene_;
     const SceneGeometry& geometry_;
     const RayScene& rays_;
     Progress& progress_;
     Stats& stats_;
+    std::int64_t light_rays_ = 0;
 };
 
 /// Spacings as wished for; automatic ones give way to those of an earlier cache that are as good.

@@ -37,14 +37,17 @@ public:
     PathTracer(const Scene& scene, const RayScene& rays, PrimaryHits& result)
         : scene_(scene), rays_(rays), result_(result) {}
 
-    void follow(Ray ray, std::uint32_t pixel, std::uint64_t seed, Rgb throughput) {
+    void follow(Ray ray, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed,
+                Rgb throughput) {
+        const std::uint64_t seed = mix_bits(pixel_seed + number + 1);
         for (std::uint32_t depth = 0; depth <= kMaxMirrorDepth; ++depth) {
             std::optional<Hit> hit = rays_.intersect(ray);
             if (add_nearer_light(ray, hit ? hit->t : kInfinity, pixel, depth, throughput)) return;
             if (!hit) return;
             const Vec3 w_o = -ray.direction;
             face(*hit, w_o);
-            result_.points.push_back({pixel, depth, mix_bits(seed + depth), *hit, w_o, throughput});
+            result_.points.push_back({pixel, depth, number, mix_bits(seed + depth),
+                                      mix_bits(~pixel_seed + depth), *hit, w_o, throughput});
 
             const Material& material = scene_.materials[scene_.objects[hit->object].material];
             throughput *= mirror_reflectance(material, glm::dot(hit->n, w_o));
@@ -94,7 +97,7 @@ PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Ca
                 const Vec2 u =
                     range.samples == 1 ? Vec2(0.5f) : sobol_2d(std::uint32_t(k), pixel_seed);
                 const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y);
-                tracer.follow(ray, pixel, mix_bits(pixel_seed + std::uint64_t(k) + 1),
+                tracer.follow(ray, pixel, std::uint32_t(k), pixel_seed,
                               Rgb(1.0f / float(range.samples)));
             }
         }

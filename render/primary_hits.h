@@ -18,9 +18,11 @@ struct Tile {
 
 /// A surface seen in a pixel, directly or in mirrors. hit.n faces w_o.
 struct ShadingPoint {
-    std::uint32_t pixel;  // index in the tile, row by row
-    std::uint32_t depth;  // number of mirror reflections before it; 0 is seen directly
-    std::uint64_t seed;   // of the random decisions made here
+    std::uint32_t pixel;       // index in the tile, row by row
+    std::uint32_t depth;       // number of mirror reflections before it; 0 is seen directly
+    std::uint32_t ray;         // number of the camera ray in its pixel
+    std::uint64_t seed;        // of the random decisions made here
+    std::uint64_t pixel_seed;  // the same for all camera rays of a pixel, at one depth
     Hit hit;
     Vec3 w_o;  // unit, towards where it is seen from
     Rgb throughput;

@@ -14,6 +14,7 @@
 #include "common/exitance/exit_factor.h"
 #include "common/exitance/exitance_field.h"
 #include "render/film.h"
+#include "render/march_steps.h"
 #include "render/shade.h"
 #include "render/single_scatter.h"
 
@@ -28,18 +29,9 @@ constexpr int kSamplesPerPass = 16;
 // Camera rays that are held in memory at once. Chosen: many, so that neighbours meet in a band.
 constexpr std::size_t kRaysPerBand = 1 << 18;
 
-// Depths of the ray march through a body and shadow rays to each area light on opaque surfaces (and
-// on bodies whose exitance needs the irradiance): so many a pixel, shared by its camera rays, but
-// at least so many each. Chosen: 64 depths leave 0.1 to 0.4 % of single scattering as noise (table
-// in single_scatter.h).
-constexpr int kMarchStepsPerPixel = 64, kLeastMarchSteps = 4;
-constexpr int kShadowRaysPerPixel = 64, kLeastShadowRays = 1;
-
-// Paths of indirect light from opaque surfaces, likewise.
+// Paths of indirect light from opaque surfaces: so many a pixel, shared by its camera rays, but at
+// least so many each.
 constexpr int kPathsPerPixel = 64, kLeastPaths = 1;
-
-// How many of `per_pixel` things each of a pixel's camera rays gets.
-int share_of(int per_pixel, int least, int samples) { return std::max(least, per_pixel / samples); }
 
 /// A translucent body ready to be shaded.
 struct Body {
@@ -47,6 +39,7 @@ struct Body {
     SurfaceFactors factors;
     ExitanceField exitance;
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
+    MarchSteps march_steps{};                         // of a camera ray, and of a pixel
 };
 
 struct Counts {
@@ -64,6 +57,7 @@ struct View {
     const std::vector<Rgb>& albedos;  // [material]
     const Camera& camera;
     bool indirect;  // whether surfaces reflect light that was reflected before
+    double tolerance;
 };
 
 /// The pixels of a tile, filled pass by pass, and what the camera rays of the pass have met.
@@ -115,18 +109,22 @@ public:
         }
     }
 
-    void add_single_scattering() {
-        const int steps =
-            share_of(kMarchStepsPerPixel, kLeastMarchSteps, view_.scene.settings.samples);
+    void add_single_scattering(std::uint32_t object, MarchSteps steps) {
+        const Body& body = *view_.bodies[object];
+        std::vector<const ShadingPoint*> points;
+        std::vector<EyePoint> eyes;
         for (const ShadingPoint& point : hits_.points) {
-            const auto& body = view_.bodies[point.hit.object];
-            if (!body || body->material->single_scattering == Switch::off) continue;
-            add(point, &Pixel::single,
-                single_scatter(view_.scene, view_.rays, view_.geometry.surfaces[point.hit.object],
-                               body->material->medium, point.hit, point.w_o, steps, point.seed,
-                               body->connections ? &*body->connections : nullptr,
-                               body->material->albedo));
+            if (point.hit.object != object) continue;
+            points.push_back(&point);
+            eyes.push_back({point.hit, point.w_o, point.pixel_seed,
+                            point.ray * std::uint32_t(steps.of_point)});
         }
+        std::vector<Rgb> L(points.size());
+        single_scatter({view_.scene, view_.rays, view_.geometry.surfaces[object], object,
+                        body.material->medium, body.connections ? &*body.connections : nullptr,
+                        body.material->albedo},
+                       eyes, steps, L);
+        for (std::size_t i = 0; i < points.size(); ++i) add(*points[i], &Pixel::single, L[i]);
     }
 
     void add_reflected_light() {
@@ -137,7 +135,7 @@ public:
 
     /// Follows paths from opaque surfaces; what they meet of bodies waits for its exitance.
     void add_indirect_light() {
-        const int paths = share_of(kPathsPerPixel, kLeastPaths, view_.scene.settings.samples);
+        const int paths = std::max(kLeastPaths, kPathsPerPixel / view_.scene.settings.samples);
         vertices_.clear();
         for (std::size_t i = 0; i < hits_.points.size(); ++i)
             add(hits_.points[i], &Pixel::diffuse,
@@ -159,7 +157,7 @@ public:
 private:
     // To each area light.
     int shadow_rays() const {
-        return share_of(kShadowRaysPerPixel, kLeastShadowRays, view_.scene.settings.samples);
+        return std::max(1, shadow_rays_of_pixel(view_.tolerance) / view_.scene.settings.samples);
     }
 
     // Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
@@ -221,7 +219,8 @@ private:
         for (std::uint32_t object = 0; object < view_.bodies.size(); ++object)
             if (view_.bodies[object]) add_multiple_scattering(object);
         timer.stop();
-        for_tiles("single", [](TileRenderer& tile) { tile.add_single_scattering(); });
+        for (std::uint32_t object = 0; object < view_.bodies.size(); ++object)
+            if (view_.bodies[object]) add_single_scattering(object);
         for_tiles("surface", [](TileRenderer& tile) { tile.add_reflected_light(); });
         if (!view_.indirect) return;
         for_tiles("indirect", [](TileRenderer& tile) { tile.add_indirect_light(); });
@@ -249,6 +248,12 @@ private:
         parallel_for(tiles_.size(), 1, [&](std::size_t i) {
             tiles_[i].add_light_of_body(object, exitance, first[i]);
         });
+    }
+
+    void add_single_scattering(std::uint32_t object) {
+        if (view_.bodies[object]->material->single_scattering == Switch::off) return;
+        const MarchSteps steps = view_.bodies[object]->march_steps;
+        for_tiles("single", [&](TileRenderer& tile) { tile.add_single_scattering(object, steps); });
     }
 
     void add_multiple_scattering(std::uint32_t object) {
@@ -315,6 +320,10 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
                                                 orders_of_exitance(*material), view.spacing_mm),
                           accuracy),
             {}});
+        const int steps =
+            march_steps_of_pixel(material->model, material->medium, accuracy.tolerance);
+        bodies[view.object]->march_steps = {std::max(1, steps / scene.settings.samples),
+                                            std::max(steps, scene.settings.samples)};
         if (material->connection == Connection::exact)
             bodies[view.object]->connections.emplace(geometry.surfaces[view.object],
                                                      material->medium.eta);
@@ -363,9 +372,15 @@ Image render_image(const Scene& scene, const SceneGeometry& geometry, const Cach
 
     const Tile& crop = options.crop;
     const ReflectedLight reflected(scene, rays, indirect_bounces(scene));
-    const View view{
-        scene,     geometry, rays,   bodies,
-        reflected, albedos,  camera, indirect_bounces(scene) > 0 && has_opaque_surface(scene)};
+    const View view{scene,
+                    geometry,
+                    rays,
+                    bodies,
+                    reflected,
+                    albedos,
+                    camera,
+                    indirect_bounces(scene) > 0 && has_opaque_surface(scene),
+                    options.accuracy.tolerance};
     std::vector<Pixel> pixels(crop.pixels());
     Counts counts;
     progress.begin("render", crop.pixels(), "pixels");

@@ -43,8 +43,9 @@ Rgb ReflectedLight::direct(const ShadingPoint& point, int light_samples) const {
 Rgb ReflectedLight::direct_irradiance(const ShadingPoint& point, int light_samples,
                                       Acceptance accept) const {
     std::vector<Rgb> E(scene_.groups.size());
-    add_direct_light(scene_, rays_, {point.hit.position, point.hit.n_g, point.hit.n, point.seed},
-                     light_samples, accept, E);
+    const Receiver receiver{point.hit.position, point.hit.n_g, point.hit.n, point.pixel_seed,
+                            point.ray * std::uint32_t(light_samples)};
+    add_direct_light(scene_, rays_, receiver, light_samples, accept, E);
     return scaled_sum(scene_.groups, E);
 }
 
@@ -53,10 +54,12 @@ Rgb ReflectedLight::indirect(const ShadingPoint& point, int paths, std::uint32_t
     const Base base = base_at(point);
     if (bounces_ == 0 || max_channel(base.factor) == 0) return {};
     const Frame frame = make_frame(point.hit.n);
+    // One sequence for all camera rays of the pixel.
+    const Sobol2d directions(mix_bits(point.pixel_seed ^ 0x5851f42d4c957f2dull));
     std::vector<Rgb> L(scene_.groups.size());
     Rgb sum;
     for (int k = 0; k < paths; ++k) {
-        const Vec2 u = sobol_2d(std::uint32_t(k), mix_bits(point.seed ^ 0x5851f42d4c957f2dull));
+        const Vec2 u = directions(point.ray * std::uint32_t(paths) + std::uint32_t(k));
         const float phi = kTwoPi * u.y, sine = std::sqrt(u.x), cosine = std::sqrt(1 - u.x);
         const Vec3 w =
             glm::normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
@@ -78,6 +81,11 @@ Rgb ReflectedLight::entering(const ShadingPoint& point, const SubsurfaceMaterial
                              int light_samples) const {
     return surface_tint(scene_, material.albedo, point.hit) *
            direct_irradiance(point, light_samples, {material.medium.eta});
+}
+
+int shadow_rays_of_pixel(double tolerance) {
+    const double rays = std::log2(0.35 / std::max(tolerance, 1e-4));
+    return 1 << int(std::lround(std::max(0.0, rays)));
 }
 
 Rgb albedo(const Material& material) {

@@ -48,6 +48,14 @@ private:
     std::vector<float> F_dr_;  // [material] of plastics, else 0
 };
 
+/// Shadow rays to each area light on opaque surfaces, for a pixel: the power of two nearest to what
+/// makes their noise equal to the tolerance, where all camera rays hit the same surface.
+///
+/// Error    0.35 / rays, relRMSE over the table of scenes/bunny.yaml against 4096 rays; measured
+///          0.089, 0.043, 0.022, 0.012, 0.0068 with 4, 8, 16, 32, 64. Half of the pixels have less
+///          than a seventh of it: noise is in the penumbra.
+int shadow_rays_of_pixel(double tolerance);
+
 /// Colour of a material for the albedo layer: the share of light that it gives back.
 Rgb albedo(const Material& material);
 

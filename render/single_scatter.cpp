@@ -1,188 +1,258 @@
 // SPDX-License-Identifier: Apache-2.0
-// Single scattering by marching the refracted eye ray. From each depth light is followed either
-// along straight shadow rays through the surface with a corrected length inside, or along all paths
-// that are refracted at the surface.
+// Single scattering by marching refracted eye rays, many at a time. From each depth light is
+// followed either along straight shadow rays through the surface with a corrected length inside, or
+// along all paths that are refracted at the surface.
 #include "render/single_scatter.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/rng.h"
 #include "common/optics/fresnel.h"
 #include "common/optics/phase.h"
+#include "render/depth_sampler.h"
 
 namespace tallow {
 namespace {
+
+// Depths that are marched together. Chosen: what is kept of them fits into the first-level cache.
+constexpr std::size_t kBatch = 256;
 
 Rgb exp(Rgb x) {
     return map(x, [](float v) { return std::exp(v); });
 }
 
-/// Depths along a ray of length s_max with density proportional to the mean over channels of
-/// sigma e^(-sigma s) / (1 - e^(-sigma s_max)).
-class DepthSampler {
-public:
-    DepthSampler(Rgb sigma, float s_max) : sigma_(sigma), s_max_(s_max) {
-        for (int c = 0; c < 3; ++c) reach_[c] = -std::expm1(-sigma[c] * s_max);
-    }
-
-    float density(float s) const {
-        float sum = 0;
-        for (int c = 0; c < 3; ++c) sum += sigma_[c] * std::exp(-sigma_[c] * s) / reach_[c];
-        return sum / 3;
-    }
-
-    /// Inverse of the cumulative distribution, by Newton's method inside a shrinking bracket.
-    float depth(float u) const {
-        float low = 0, high = std::min(s_max_, 100 / min_channel(sigma_));
-        float s = std::min(high, -std::log1p(-u) / max_channel(sigma_));
-        for (int i = 0; i < 40; ++i) {
-            const float error = cumulative(s) - u;
-            (error > 0 ? high : low) = s;
-            float next = s - error / density(s);
-            if (!(next > low && next < high)) next = 0.5f * (low + high);
-            if (std::abs(next - s) <= 1e-5f * s) return next;
-            s = next;
-        }
-        return s;
-    }
-
-private:
-    float cumulative(float s) const {
-        float sum = 0;
-        for (int c = 0; c < 3; ++c) sum += -std::expm1(-sigma_[c] * s) / reach_[c];
-        return sum / 3;
-    }
-
-    Rgb sigma_;
-    Rgb reach_;
-    float s_max_;
+/// A place inside where light is scattered towards the eye.
+struct Place {
+    std::size_t point;    // of the eye ray that it lies on
+    std::uint32_t index;  // of its light samples in the point's sequences
+    Vec3 x;               // mm
+    Vec3 w_inside;        // unit, along the eye ray into the body
+    Rgb weight;           // of what is scattered here in the radiance that leaves the body
 };
 
-class SingleScatter {
+/// Radiance that leaves the body, without sigma_s: sum over places of weight times the integral of
+/// p L F_t cos_i / cos_i' e^(-sigma_t s_i').
+class LightCollector {
 public:
-    SingleScatter(const Scene& scene, const RayScene& rays, const Surface& surface,
-                  const RefractedConnections* exact, const SurfaceColor& albedo,
-                  const Medium& medium, const Hit& hit, Vec3 w_inside)
-        : scene_(scene),
-          rays_(rays),
-          surface_(surface),
-          exact_(exact),
-          albedo_(albedo),
-          medium_(medium),
-          sigma_t_(medium.sigma_t()),
-          object_(hit.object),
-          w_inside_(w_inside) {}
+    LightCollector(const ScatteringBody& body, std::span<const EyePoint> points, std::span<Rgb> sum)
+        : body_(body), points_(points), sum_(sum), sigma_t_(body.medium.sigma_t()) {}
 
-    /// Radiance scattered at x from light number `light` into the direction back to the eye,
-    /// without sigma_s: integral of p L F_t cos_i / cos_i' e^(-sigma_t s_i').
-    Rgb in_scattered(Vec3 x, std::size_t light, Vec2 u) const {
-        const Rgb scale = scene_.groups[scene_.lights[light].group].scale;
-        return scale * (exact_ != nullptr ? along_refracted_paths(x, scene_.lights[light], u)
-                                          : along_straight_line(x, scene_.lights[light], u));
+    void add(std::span<const Place> places) {
+        for (std::size_t light = 0; light < body_.scene.lights.size(); ++light) {
+            scale_ = body_.scene.groups[body_.scene.lights[light].group].scale;
+            if (max_channel(scale_) == 0) continue;
+            if (body_.exact != nullptr)
+                add_refracted_paths(places, light);
+            else
+                add_straight_lines(places, light);
+        }
     }
 
 private:
-    Rgb along_straight_line(Vec3 x, const Light& light, Vec2 u) const {
-        const auto sample = sample_light(light, x, std::nullopt, u);
-        if (!sample) return {};
-        const auto exit = rays_.intersect_object({x, sample->w_i}, object_, sample->distance);
-        if (!exit || !admits_light(exit->position)) return {};
-        const float cos_g = glm::dot(sample->w_i, exit->n_g);
-        if (cos_g <= 0) return {};  // grazed from outside by rounding
-        const float cos_n = glm::dot(sample->w_i, exit->n);
-        const Vec3 n = cos_n > 0 ? exit->n : exit->n_g;
-        const float cos_i = cos_n > 0 ? cos_n : cos_g;
-        const auto w_refracted = refract(sample->w_i, n, medium_.eta);
-        if (!w_refracted) return {};
-        const ShadowRay outside{rays_.offset_origin(exit->position, exit->n_g, sample->w_i),
-                                sample->w_i, sample->distance - exit->t};
-        if (rays_.occluded(outside)) return {};
-
-        const float ratio = cos_i / refracted_cosine(medium_.eta, cos_i);
-        const float phase = henyey_greenstein(medium_.g, -glm::dot(*w_refracted, w_inside_));
-        const float transmitted = fresnel_transmittance(medium_.eta, cos_i);
-        return phase * transmitted * ratio * sample->radiance * exp(-exit->t * ratio * sigma_t_) *
-               surface_tint(scene_, albedo_, *exit);
+    Vec2 light_sample(const Place& place, std::size_t light) const {
+        return sobol_2d(place.index, points_[place.point].seed + light);
     }
 
-    Rgb along_refracted_paths(Vec3 x, const Light& light, Vec2 u) const {
-        const LightPoint y = sample_light_point(light, u);
-        Rgb sum;
-        for (const RefractedPath& path : exact_->find(x, y)) {
-            const Rgb intensity = intensity_towards(light, y, -path.w_i, path.outside);
-            if (max_channel(intensity) == 0 || !std::isfinite(path.spread) || blocked(x, path))
-                continue;
-            const float phase = henyey_greenstein(medium_.g, -glm::dot(path.w_inside, w_inside_));
-            const float cos_i = std::min(1.0f, glm::dot(path.w_i, path.n));
-            const float transmitted = fresnel_transmittance(medium_.eta, cos_i);
-            sum += phase * transmitted * path.spread * intensity * exp(-path.inside * sigma_t_) *
-                   tint_at(path.position, path.n_g);
+    void add_straight_lines(std::span<const Place> places, std::size_t light) {
+        std::size_t count = 0;
+        for (const Place& place : places) {
+            const auto sample = sample_light(body_.scene.lights[light], place.x, std::nullopt,
+                                             light_sample(place, light));
+            if (!sample) continue;
+            inside_[count] = {place.x, sample->w_i, sample->distance};
+            arriving_[count++] = {&place, sample->radiance};
         }
-        return sum;
+        body_.rays.intersect_object({inside_.data(), count}, body_.object, {exit_.data(), count});
+        std::size_t leaving = 0;
+        for (std::size_t k = 0; k < count; ++k)
+            if (exit_[k] && enter(arriving_[k], inside_[k], *exit_[k], outside_[leaving]))
+                arriving_[leaving++] = arriving_[k];
+        body_.rays.occluded({outside_.data(), leaving}, {occluded_.data(), leaving});
+        for (std::size_t k = 0; k < leaving; ++k)
+            if (!occluded_[k]) add(*arriving_[k].place, arriving_[k].radiance);
+    }
+
+    /// Light on its way from a lamp to a place.
+    struct Arriving {
+        const Place* place;
+        Rgb radiance;
+    };
+
+    /// Follows light through the surface at `exit`, where the straight line towards it leaves the
+    /// body; `outside` is the rest of that line. False if none enters.
+    bool enter(Arriving& light, const ShadowRay& inside, const Hit& exit,
+               ShadowRay& outside) const {
+        if (!admits_light(exit.position)) return false;
+        const float cos_g = glm::dot(inside.direction, exit.n_g);
+        if (cos_g <= 0) return false;  // grazed from outside by rounding
+        const float cos_n = glm::dot(inside.direction, exit.n);
+        const Vec3 n = cos_n > 0 ? exit.n : exit.n_g;
+        const float cos_i = cos_n > 0 ? cos_n : cos_g;
+        const auto w_refracted = refract(inside.direction, n, body_.medium.eta);
+        if (!w_refracted) return false;
+        const float ratio = cos_i / refracted_cosine(body_.medium.eta, cos_i);
+        const float phase =
+            henyey_greenstein(body_.medium.g, -glm::dot(*w_refracted, light.place->w_inside));
+        const float transmitted = fresnel_transmittance(body_.medium.eta, cos_i);
+        light.radiance *= phase * transmitted * ratio * exp(-exit.t * ratio * sigma_t_) *
+                          surface_tint(body_.scene, body_.albedo, exit);
+        outside = {body_.rays.offset_origin(exit.position, exit.n_g, inside.direction),
+                   inside.direction, inside.length - exit.t};
+        return true;
+    }
+
+    void add_refracted_paths(std::span<const Place> places, std::size_t light_index) {
+        const Light& light = body_.scene.lights[light_index];
+        for (const Place& place : places) {
+            const LightPoint y = sample_light_point(light, light_sample(place, light_index));
+            for (const RefractedPath& path : body_.exact->find(place.x, y)) {
+                const Rgb intensity = intensity_towards(light, y, -path.w_i, path.outside);
+                if (max_channel(intensity) == 0 || !std::isfinite(path.spread) ||
+                    blocked(place.x, path))
+                    continue;
+                const float phase =
+                    henyey_greenstein(body_.medium.g, -glm::dot(path.w_inside, place.w_inside));
+                const float cos_i = std::min(1.0f, glm::dot(path.w_i, path.n));
+                const float transmitted = fresnel_transmittance(body_.medium.eta, cos_i);
+                add(place, phase * transmitted * path.spread * intensity *
+                               exp(-path.inside * sigma_t_) * tint_at(path.position, path.n_g));
+            }
+        }
     }
 
     // Whether the body ends before x_i on the way from x, or something stands before the light.
     bool blocked(Vec3 x, const RefractedPath& path) const {
         constexpr float kShort = 1 - 1e-4f;  // stops before x_i itself
-        if (rays_.intersect_object({x, -path.w_inside}, object_, kShort * path.inside)) return true;
-        return rays_.occluded(
-            {rays_.offset_origin(path.position, path.n_g, path.w_i), path.w_i, path.outside});
+        const RayScene& rays = body_.rays;
+        if (rays.intersect_object({x, -path.w_inside}, body_.object, kShort * path.inside))
+            return true;
+        return rays.occluded(
+            {rays.offset_origin(path.position, path.n_g, path.w_i), path.w_i, path.outside});
     }
 
     // Where only the place is known: the texture coordinates belong to a hit.
     Rgb tint_at(Vec3 position, Vec3 n_g) const {
-        if (!albedo_.texture) return surface_tint(scene_, albedo_, {});
-        const Vec3 above = rays_.offset_origin(position, n_g, n_g);
-        const auto hit =
-            rays_.intersect_object({above, -n_g}, object_, 2 * glm::length(above - position));
-        return hit ? surface_tint(scene_, albedo_, *hit) : Rgb(0);  // off an edge by rounding
+        if (!body_.albedo.texture) return surface_tint(body_.scene, body_.albedo, {});
+        const Vec3 above = body_.rays.offset_origin(position, n_g, n_g);
+        const auto hit = body_.rays.intersect_object({above, -n_g}, body_.object,
+                                                     2 * glm::length(above - position));
+        // Off an edge by rounding there is none.
+        return hit ? surface_tint(body_.scene, body_.albedo, *hit) : Rgb(0);
     }
 
     // A half-space takes light only through its opening.
     bool admits_light(Vec3 x) const {
-        const auto* plane = std::get_if<PlaneSurface>(&surface_);
+        const auto* plane = std::get_if<PlaneSurface>(&body_.surface);
         return plane == nullptr || length2(x - plane->point) <= plane->radius * plane->radius;
     }
 
-    const Scene& scene_;
-    const RayScene& rays_;
-    const Surface& surface_;
-    const RefractedConnections* exact_;
-    const SurfaceColor& albedo_;
-    const Medium& medium_;
+    void add(const Place& place, Rgb radiance) {
+        sum_[place.point] += scale_ * place.weight * radiance;
+    }
+
+    const ScatteringBody& body_;
+    std::span<const EyePoint> points_;
+    std::span<Rgb> sum_;
     Rgb sigma_t_;
-    std::uint32_t object_;
-    Vec3 w_inside_;
+    Rgb scale_;  // of the light's group
+    std::array<Arriving, kBatch> arriving_;
+    std::array<ShadowRay, kBatch> inside_, outside_;
+    std::array<std::optional<Hit>, kBatch> exit_;
+    std::array<bool, kBatch> occluded_;
+};
+
+/// Where step `index` of the `together` steps that are stratified together lies, in [0, 1). Steps
+/// come in pairs, one stratum a pair, one the mirror image of the other in its middle: what changes
+/// linearly over a stratum has no error.
+float depth_sample(std::uint64_t seed, std::uint32_t index, int together) {
+    const float u = sobol_third(index / 2, mix_bits(seed));
+    if (index % 2 == 0) return u;
+    const float strata = float(std::max(1, together / 2));
+    const float below = std::floor(u * strata);
+    return std::min((2 * below + 1) / strata - u, 0x1.fffffep-1f);
+}
+
+/// Lays places along the eye rays inside a body and collects the light there.
+class March {
+public:
+    March(const ScatteringBody& body, std::span<const EyePoint> points, MarchSteps steps,
+          std::span<Rgb> result)
+        : body_(body),
+          points_(points),
+          steps_(steps),
+          sigma_t_(body.medium.sigma_t()),
+          sigma_s_(body.medium.sigma_s()),
+          eta_(body.medium.eta),
+          collector_(body, points, result) {
+        places_.reserve(kBatch);
+    }
+
+    /// `length` of the refracted ray inside, mm; infinite in a half-space.
+    void along(std::size_t point, Vec3 w_inside, float length) {
+        const EyePoint& eye = points_[point];
+        const float cos_o = glm::dot(eye.w_o, eye.hit.n);
+        const Rgb leaving = fresnel_transmittance(eta_, cos_o) /
+                            (eta_ * eta_ * float(steps_.of_point)) *
+                            surface_tint(body_.scene, body_.albedo, eye.hit);
+        const DepthSampler depths(sigma_t_, length);
+        for (std::uint32_t k = 0; k < std::uint32_t(steps_.of_point); ++k) {
+            const std::uint32_t index = eye.first_step + k;
+            const Depth depth = depths(depth_sample(eye.seed, index, steps_.together));
+            // Depths count from the surface itself: the offset only keeps the ray off it.
+            places_.push_back({point, index, eye.hit.position + depth.s * w_inside, w_inside,
+                               leaving * sigma_s_ * depth.weight});
+            if (places_.size() == kBatch) finish();
+        }
+    }
+
+    void finish() {
+        collector_.add(places_);
+        places_.clear();
+    }
+
+private:
+    const ScatteringBody& body_;
+    std::span<const EyePoint> points_;
+    MarchSteps steps_;
+    Rgb sigma_t_, sigma_s_;
+    float eta_;
+    LightCollector collector_;
+    std::vector<Place> places_;
 };
 
 }  // namespace
 
-Rgb single_scatter(const Scene& scene, const RayScene& rays, const Surface& surface,
-                   const Medium& medium, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed,
-                   const RefractedConnections* exact, const SurfaceColor& albedo) {
-    const float cos_o = glm::dot(w_o, hit.n);
-    const auto w_inside = refract(w_o, hit.n, medium.eta);
-    if (!w_inside || max_channel(medium.sigma_s_prime) == 0) return {};
-    const Vec3 start = rays.offset_origin(hit.position, hit.n_g, *w_inside);
-    const auto far_side = rays.intersect_object({start, *w_inside}, hit.object);
-    const float s_max = far_side ? glm::length(far_side->position - hit.position) : kInfinity;
-    if (!(s_max > 0)) return {};
-
-    const Rgb sigma_t = medium.sigma_t();
-    const DepthSampler depths(sigma_t, s_max);
-    const SingleScatter scatter(scene, rays, surface, exact, albedo, medium, hit, *w_inside);
-    Rgb sum;  // depths count from the surface itself: the offset only keeps the march off it
-    for (int k = 0; k < steps; ++k) {
-        const float jitter = to_unit_float(random_bits(seed, 0, std::uint64_t(k)));
-        const float s = depths.depth((float(k) + jitter) / float(steps));
-        Rgb from_lights;
-        for (std::size_t light = 0; light < scene.lights.size(); ++light)
-            from_lights += scatter.in_scattered(hit.position + s * *w_inside, light,
-                                                sobol_2d(std::uint32_t(k), seed + light));
-        sum += exp(-s * sigma_t) / depths.density(s) * from_lights;
+void single_scatter(const ScatteringBody& body, std::span<const EyePoint> points, MarchSteps steps,
+                    std::span<Rgb> result) {
+    std::fill(result.begin(), result.end(), Rgb(0));
+    if (max_channel(body.medium.sigma_s_prime) == 0) return;
+    std::vector<ShadowRay> rays;        // [ray]
+    std::vector<std::size_t> point_of;  // [ray]
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Hit& hit = points[i].hit;
+        const auto w_inside = refract(points[i].w_o, hit.n, body.medium.eta);
+        if (!w_inside) continue;
+        const Vec3 start = body.rays.offset_origin(hit.position, hit.n_g, *w_inside);
+        rays.push_back({start, *w_inside, kInfinity});
+        point_of.push_back(i);
     }
-    const float exit = fresnel_transmittance(medium.eta, cos_o) / (medium.eta * medium.eta);
-    return exit / float(steps) * medium.sigma_s() * surface_tint(scene, albedo, hit) * sum;
+    std::vector<std::optional<Hit>> far_side(rays.size());
+    body.rays.intersect_object(rays, body.object, far_side);
+    March march(body, points, steps, result);
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+        const Vec3 from = points[point_of[k]].hit.position;
+        const float length = far_side[k] ? glm::length(far_side[k]->position - from) : kInfinity;
+        if (length > 0) march.along(point_of[k], rays[k].direction, length);
+    }
+    march.finish();
+}
+
+Rgb single_scatter(const ScatteringBody& body, const EyePoint& point, MarchSteps steps) {
+    Rgb result;
+    single_scatter(body, {&point, 1}, steps, {&result, 1});
+    return result;
 }
 
 }  // namespace tallow

@@ -22,6 +22,18 @@ constexpr std::uint32_t reversed_sobol_second(std::uint32_t x) {
     return x ^ x >> 16;
 }
 
+// Third Sobol dimension, its bits reversed. Direction numbers v_i = v_(i-1) ^ v_(i-2) ^ v_(i-2)
+// / 4.
+constexpr std::uint32_t reversed_sobol_third(std::uint32_t index) {
+    std::uint32_t result = 0;
+    for (std::uint32_t v = 1, next = 3; index != 0; index >>= 1) {
+        if (index & 1u) result ^= v;
+        const std::uint32_t after = next ^ v ^ (v << 2);
+        v = next, next = after;
+    }
+    return result;
+}
+
 // Each output bit is flipped depending on the bits above it only: a nested uniform scramble. The
 // multiplications act from low to high bits, so that the input comes with its bits reversed.
 // Constants: [Burley 2020].
@@ -43,6 +55,11 @@ Sobol2d::Sobol2d(std::uint64_t scramble)
 Vec2 Sobol2d::operator()(std::uint32_t index) const {
     return {to_unit_float(owen_scramble_reversed(index, seed_x_)),
             to_unit_float(owen_scramble_reversed(reversed_sobol_second(index), seed_y_))};
+}
+
+float sobol_third(std::uint32_t index, std::uint64_t scramble) {
+    const auto seed = static_cast<std::uint32_t>(mix_bits(scramble ^ 0xbb67ae8584caa73bull) >> 32);
+    return to_unit_float(owen_scramble_reversed(reversed_sobol_third(index), seed));
 }
 
 }  // namespace tallow

@@ -45,4 +45,12 @@ inline Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble) {
     return Sobol2d(scramble)(index);
 }
 
+/// Coordinate `index` of the same sequence's third dimension: with Sobol2d, whatever their
+/// scrambles, any 2^k consecutive aligned points are two in each elementary box of volume 2^(1-k),
+/// and each coordinate alone is one in each interval of 2^-k.
+///
+/// Source: Sobol's third dimension, polynomial x^2 + x + 1, first direction numbers 1 and 3 (Joe,
+/// Kuo 2008, "Constructing Sobol sequences with better two-dimensional projections").
+float sobol_third(std::uint32_t index, std::uint64_t scramble);
+
 }  // namespace tallow

@@ -255,8 +255,9 @@ Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry)
     for (std::size_t i = 0; i < scene.groups.size(); ++i)
         fingerprint.emplace_back(fmt::format("groups[{}].name", i), scene.groups[i].name);
     add_indirect_light(fingerprint, scene);
-    fingerprint.emplace_back("sampling.light_samples",
-                             fmt::format("{}", scene.settings.light_samples));
+    fingerprint.emplace_back(
+        "sampling.light_samples",
+        scene.settings.light_samples ? fmt::format("{}", *scene.settings.light_samples) : "auto");
     return fingerprint;
 }
 

@@ -102,7 +102,8 @@ struct LightGroup {
 struct Settings {
     float tolerance = 0.01f;  // relRMSE the user accepts
     int samples = 16;         // camera rays a pixel
-    int light_samples = 16;   // shadow rays a light and receiver
+    /// Shadow rays a light and sample in pass one; without it as many as the tolerance needs.
+    std::optional<int> light_samples;
     /// Times that light may be reflected, by whatever surface, before it reaches a sample; without
     /// a number as indirect_bounces() says.
     std::optional<int> bounces;

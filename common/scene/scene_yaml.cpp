@@ -47,6 +47,12 @@ std::vector<Camera> read_cameras(const YamlNode& section, const LengthReader& le
     return cameras;
 }
 
+std::optional<int> read_light_samples(const YamlMap& settings) {
+    const YamlNode& node = settings.at("light_samples");
+    if (node.kind == YamlNode::Kind::scalar && node.text == "auto") return std::nullopt;
+    return yaml_integer(node, "light_samples", 1, kLargestCount);
+}
+
 Settings read_settings(const YamlNode& section) {
     constexpr Range kTolerance{0, 1, "a number in [0, 1)", false, true};
     const YamlMap map(section, "settings");
@@ -54,8 +60,7 @@ Settings read_settings(const YamlNode& section) {
     Settings settings;
     settings.tolerance = map.number_or("tolerance", kTolerance, settings.tolerance);
     settings.samples = map.integer_or("samples", 1, kLargestCount, settings.samples);
-    settings.light_samples =
-        map.integer_or("light_samples", 1, kLargestCount, settings.light_samples);
+    if (map.has("light_samples")) settings.light_samples = read_light_samples(map);
     if (map.has("bounces") && map.at("bounces").text != "auto")
         settings.bounces = yaml_integer(map.at("bounces"), "bounces", 0, kMostBounces);
     return settings;

@@ -16,6 +16,7 @@
 #include "common/scene/presets.h"
 #include "experiments/sampling/point_sets.h"
 #include "precompute/build_octree.h"
+#include "precompute/choose_light_samples.h"
 #include "precompute/gather_irradiance.h"
 
 using namespace tallow;
@@ -138,11 +139,13 @@ public:
 
         const auto light_start = std::chrono::steady_clock::now();
         Progress quiet(true);
-        const auto groups = gather_irradiance(scene_, rays_, samples, eta_, quiet);
+        const auto groups =
+            gather_irradiance(scene_, rays_, samples, eta_, equal_light_samples(scene_, 1), quiet);
         const std::vector<OctreeNode> nodes = build_octree(samples.position);
         cloud.seconds_light = seconds_since(light_start);
         BodyView view{
-            0, float(cloud.spacing), 1, samples.position, samples.normal, samples.area, nodes, {}};
+            0, float(cloud.spacing), 1, samples.position, samples.normal, samples.area, nodes, {},
+            {}};
         view.groups.push_back({groups[0].E_t, groups[0].w_i});
         cloud.lit = light_samples(view, scene_.groups);
         return cloud;

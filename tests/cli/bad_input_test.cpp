@@ -191,7 +191,7 @@ TEST(BadInput, Flags) {
          "--points: expected a number of samples in [1, 4e9], got '1k'"},
         {false,
          {scene, "-o", cache, "--light-samples", "2.5"},
-         "--light-samples: expected an integer in [1, 65536], got '2.5'"},
+         "--light-samples: expected an integer in [1, 65536], or auto, got '2.5'"},
         {false, {scene, "-o", cache, "--colour"}, "unknown flag '--colour', see --help"},
         {false, {scene, "-o", cache, "-o", cache}, "--output: given 2 times"},
         {false, {scene, "more.yaml", "-o", cache}, "unexpected argument 'more.yaml', see --help"},

@@ -25,11 +25,12 @@ struct Body {
           connections(surfaces[0], medium.eta) {}
 
     Rgb straight(const Scene& scene, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed) {
-        return single_scatter(scene, rays, surfaces[0], medium, hit, w_o, steps, seed);
+        return single_scatter({scene, rays, surfaces[0], 0, medium}, {hit, w_o, seed},
+                              lone_steps(steps));
     }
     Rgb exact(const Scene& scene, const Hit& hit, Vec3 w_o, int steps, std::uint64_t seed) {
-        return single_scatter(scene, rays, surfaces[0], medium, hit, w_o, steps, seed,
-                              &connections);
+        return single_scatter({scene, rays, surfaces[0], 0, medium, &connections}, {hit, w_o, seed},
+                              lone_steps(steps));
     }
     /// Where a ray from far away meets the body.
     Hit seen_from(Vec3 w_o) {

@@ -86,7 +86,7 @@ TEST(SceneFingerprint, IsReadable) {
         {"groups[0].name", "key"},
         {"groups[1].name", "fill"},
         {"indirect.bounces", "0"},
-        {"sampling.light_samples", "16"},
+        {"sampling.light_samples", "auto"},
     };
     EXPECT_EQ(fingerprint_after([](TestScene&) {}), expected);
 }

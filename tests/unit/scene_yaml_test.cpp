@@ -165,6 +165,8 @@ TEST(SceneYaml, ReadsSettings) {
     EXPECT_EQ(settings.tolerance, 0.02f);
     EXPECT_EQ(settings.samples, 4);
     EXPECT_EQ(settings.light_samples, 32);
+    EXPECT_EQ(scene_of(kCamera + "settings: {light_samples: auto}\n").settings.light_samples,
+              std::nullopt);
 }
 
 // Only cameras are required; empty sections are a black picture, not an error.

@@ -21,8 +21,9 @@ Rgb seen(Scene scene, const Surface& surface, const SurfaceColor& albedo, Vec3 x
     const RefractedConnections connections(surface, 1.5f);
     const auto hit = rays.intersect({x + Vec3(0, 1, 0), Vec3(0, -1, 0)});
     if (!hit) return Rgb(-1);
-    return single_scatter(scene, rays, surface, test::marble(), *hit, w_o, 64, 7,
-                          exact ? &connections : nullptr, albedo);
+    const Medium medium = test::marble();
+    return single_scatter({scene, rays, surface, 0, medium, exact ? &connections : nullptr, albedo},
+                          {*hit, w_o, 7}, lone_steps(64));
 }
 
 SurfaceColor checker(Texture::Coordinates coordinates, float period) {
