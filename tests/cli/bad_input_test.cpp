@@ -120,8 +120,8 @@ TEST(BadInput, Scenes) {
             {"{shape: mesh, file: mesh.off", "{shape: plane, point: [0, 0, 0], normal: [0, 1, 0]",
              "scene.yaml:6:5: missing key 'radius'"},
             {"type: point", "type: lamp",
-             "scene.yaml:8:12: type: expected one of point, directional, spot, quad, sphere, "
-             "environment, got 'lamp'"},
+             "scene.yaml:8:12: type: expected one of point, directional, spot, quad, disc, "
+             "sphere, mesh, environment, got 'lamp'"},
             {"intensity: 100", "intensity: [1, 2, inf]",
              "scene.yaml:8:58: intensity: expected a number >= 0, got 'inf'"},
             {"cameras:", "camera:", "scene.yaml:1:1: camera: unknown key, did you mean 'cameras'?"},
