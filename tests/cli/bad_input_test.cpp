@@ -122,8 +122,7 @@ TEST(BadInput, Scenes) {
              "scene.yaml:6:5: missing key 'radius'"},
             {"type: point", "type: lamp",
              "scene.yaml:8:12: type: expected one of point, directional, spot, quad, disc, "
-             "sphere, mesh, "
-             "environment, got 'lamp'"},
+             "sphere, mesh, environment, got 'lamp'"},
             {"intensity: 100", "intensity: [1, 2, inf]",
              "scene.yaml:8:58: intensity: expected a number >= 0, got 'inf'"},
             {"cameras:", "camera:", "scene.yaml:1:1: camera: unknown key, did you mean 'cameras'?"},
