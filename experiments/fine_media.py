@@ -72,7 +72,8 @@ def make_cache(options, scene, preset, spacing):
     """Depends on the index of refraction only, so that presets share caches where theirs agrees."""
     cache = scene.with_name(f"{scene.stem}_{preset}_{spacing:.3g}.tallow")
     subprocess.run([options.build / "bin/tallow-precompute", scene, "-o", cache, "--spacing",
-                    f"{spacing:.9g}", "--quiet", "--set", f"materials.body.preset={preset}"],
+                    f"{spacing:.9g}", "--quiet", "--light-samples", "64", "--set",
+                    f"materials.body.preset={preset}"],
                    check=True)
     return cache
 
@@ -85,6 +86,14 @@ def measure(options, scene, preset, model, coarse, fine):
          "--set", f"materials.body.model={model}", "--quiet"],
         check=True, stdout=subprocess.PIPE, text=True)
     return [dict(row, preset=preset) for row in csv.DictReader(result.stdout.splitlines())]
+
+
+def write(rows, name):
+    with open(name, "w", newline="") as file:
+        writer = csv.DictWriter(file, ["preset", *[k for k in rows[0] if k != "preset"]],
+                                lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def plot(rows, model, file):
@@ -153,11 +162,7 @@ def main():
                                          render(options, scene, cache)))
                 for cache in caches:
                     cache.unlink()
-    with open(options.output / "fine_media.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, ["preset", *[k for k in rows[0] if k != "preset"]],
-                                lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+                write(rows, options.output / "fine_media.csv")
     plot(rows, models[0], options.output / "fine_media.png")
     show(pictures, options.output / "fine_media_pictures.png")
 
