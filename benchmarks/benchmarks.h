@@ -13,6 +13,7 @@ void register_traversal_benchmarks();
 void register_build_benchmarks();
 void register_grouping_benchmarks();
 void register_irradiance_benchmarks();
+void register_single_scatter_benchmarks();
 
 inline constexpr std::int64_t kSampleCounts[] = {50'000, 200'000, 1'000'000};
 

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     tallow::register_build_benchmarks();
     tallow::register_grouping_benchmarks();
     tallow::register_irradiance_benchmarks();
+    tallow::register_single_scatter_benchmarks();
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
 }

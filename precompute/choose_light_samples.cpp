@@ -85,8 +85,11 @@ private:
                 difference += one[i].E_t - other[i].E_t;
                 sums.E += double(mean(one[i].E_t) + mean(other[i].E_t)) / double(count);
             }
-            const Rgb d = difference / float(size);
-            sums.squares += double(mean(d * d)) * double(size) / double(count);
+            const double share = double(size) / double(count);
+            for (int c = 0; c < 3; ++c) {  // in double: squares of bright light
+                const double d = double(difference[c]) / double(size);
+                sums.squares += d * d * share / 3;
+            }
         }
         return sums;
     }

@@ -18,12 +18,25 @@ namespace tallow {
 double single_scattering_share(Model model, const Medium& medium);
 
 /// Depths for each pixel, shared by its camera rays, so that the noise of single scattering stays
-/// below a third of the tolerance of the whole radiance: the smallest power of two with
+/// within the tolerance of the whole radiance, as that of shadow rays does: the smallest power of
+/// two with
 ///
-///     share * error(steps) <= tolerance / 3,
+///     share * noise(steps) <= tolerance,   noise(steps) = 1.25 steps^-0.9
 ///
-/// with the largest errors of the table at single_scatter(), and no more than 1024. A tolerance
-/// below 1e-4 counts as that.
+/// and no more than 1024. A tolerance below 1e-4 counts as that.
+///
+/// Error    noise() is fitted to pictures of the bunny in marble under a lamp of 36 mm, which are
+///          worse than the table at single_scatter(): light comes from behind, most of the picture
+///          is dark, and the lamp's edge is near the horizon of much of the rest. relRMSE of the
+///          layer against 1024 depths, 128 x 128 pixels:
+///
+///              depths   lamp of 36 mm   lamp of 6 mm   parallel light   sky
+///                   2       0.69                                        1.0
+///                   8       0.19            0.089           0.046       0.31
+///                  64       0.031                                       0.048
+///
+///          Under the sky noise is 1.5 times that of the fit: half of its directions cross the
+///          body.
 int march_steps_of_pixel(Model model, const Medium& medium, double tolerance);
 
 }  // namespace tallow

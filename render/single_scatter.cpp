@@ -29,7 +29,7 @@ struct Place {
     std::uint32_t index;  // of its light samples in the point's sequences
     Vec3 x;               // mm
     Vec3 w_inside;        // unit, along the eye ray into the body
-    Rgb weight;           // of what is scattered here in the radiance that leaves the body
+    Rgb weight;           // of what is scattered here in the radiance at the surface
 };
 
 /// Radiance that leaves the body, without sigma_s: sum over places of weight times the integral of
@@ -179,12 +179,10 @@ class March {
 public:
     March(const ScatteringBody& body, std::span<const EyePoint> points, MarchSteps steps,
           std::span<Rgb> result)
-        : body_(body),
-          points_(points),
+        : points_(points),
           steps_(steps),
           sigma_t_(body.medium.sigma_t()),
           sigma_s_(body.medium.sigma_s()),
-          eta_(body.medium.eta),
           collector_(body, points, result) {
         places_.reserve(kBatch);
     }
@@ -192,17 +190,13 @@ public:
     /// `length` of the refracted ray inside, mm; infinite in a half-space.
     void along(std::size_t point, Vec3 w_inside, float length) {
         const EyePoint& eye = points_[point];
-        const float cos_o = glm::dot(eye.w_o, eye.hit.n);
-        const Rgb leaving = fresnel_transmittance(eta_, cos_o) /
-                            (eta_ * eta_ * float(steps_.of_point)) *
-                            surface_tint(body_.scene, body_.albedo, eye.hit);
         const DepthSampler depths(sigma_t_, length);
         for (std::uint32_t k = 0; k < std::uint32_t(steps_.of_point); ++k) {
             const std::uint32_t index = eye.first_step + k;
             const Depth depth = depths(depth_sample(eye.seed, index, steps_.together));
             // Depths count from the surface itself: the offset only keeps the ray off it.
             places_.push_back({point, index, eye.hit.position + depth.s * w_inside, w_inside,
-                               leaving * sigma_s_ * depth.weight});
+                               sigma_s_ * depth.weight});
             if (places_.size() == kBatch) finish();
         }
     }
@@ -213,11 +207,9 @@ public:
     }
 
 private:
-    const ScatteringBody& body_;
     std::span<const EyePoint> points_;
     MarchSteps steps_;
     Rgb sigma_t_, sigma_s_;
-    float eta_;
     LightCollector collector_;
     std::vector<Place> places_;
 };
@@ -228,11 +220,12 @@ void single_scatter(const ScatteringBody& body, std::span<const EyePoint> points
                     std::span<Rgb> result) {
     std::fill(result.begin(), result.end(), Rgb(0));
     if (max_channel(body.medium.sigma_s_prime) == 0) return;
+    const float eta = body.medium.eta;
     std::vector<ShadowRay> rays;        // [ray]
     std::vector<std::size_t> point_of;  // [ray]
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Hit& hit = points[i].hit;
-        const auto w_inside = refract(points[i].w_o, hit.n, body.medium.eta);
+        const auto w_inside = refract(points[i].w_o, hit.n, eta);
         if (!w_inside) continue;
         const Vec3 start = body.rays.offset_origin(hit.position, hit.n_g, *w_inside);
         rays.push_back({start, *w_inside, kInfinity});
@@ -247,6 +240,12 @@ void single_scatter(const ScatteringBody& body, std::span<const EyePoint> points
         if (length > 0) march.along(point_of[k], rays[k].direction, length);
     }
     march.finish();
+    for (const std::size_t i : point_of) {
+        const float transmitted =
+            fresnel_transmittance(eta, glm::dot(points[i].w_o, points[i].hit.n));
+        result[i] *= transmitted / (eta * eta * float(steps.of_point)) *
+                     surface_tint(body.scene, body.albedo, points[i].hit);
+    }
 }
 
 Rgb single_scatter(const ScatteringBody& body, const EyePoint& point, MarchSteps steps) {

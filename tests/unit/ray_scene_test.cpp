@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "common/base/rng.h"
 #include "tests/support/count_threads.h"
 

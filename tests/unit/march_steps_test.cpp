@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/march_steps.h"
+
+#include <gtest/gtest.h>
+
+#include "common/optics/single_scattering.h"
+#include "common/scene/presets.h"
+#include "tests/support/scenes.h"
+
+namespace tallow {
+namespace {
+
+const Medium& preset(const char* name) { return find_preset(name)->medium; }
+
+// A half-space that scatters little gives back what is scattered once, and little else.
+TEST(MarchSteps, AllLightOfAnAbsorberIsScatteredOnce) {
+    Medium absorber = test::marble();
+    absorber.sigma_a = Rgb(1000);
+    EXPECT_NEAR(single_scattering_share(Model::transport, absorber), 1, 0.01);
+    absorber.sigma_s_prime = Rgb(0);
+    EXPECT_EQ(single_scattering_share(Model::transport, absorber), 0);
+    EXPECT_EQ(march_steps_of_pixel(Model::transport, absorber, 0.01), 1);
+}
+
+// Measured in the picture of the bunny: 6.7 % in marble, 10 % in skim milk, 31 % in skin, where
+// light comes from behind and red travels far.
+TEST(MarchSteps, ShareOfPresets) {
+    const double marble = single_scattering_share(Model::transport, preset("marble"));
+    const double skin = single_scattering_share(Model::transport, preset("skin1"));
+    EXPECT_GT(marble, 0.05);
+    EXPECT_LT(marble, 0.10);
+    EXPECT_GT(skin, 2 * marble);
+}
+
+TEST(MarchSteps, BackwardScatteringCounts) {
+    Medium medium = test::marble();
+    const double isotropic = single_scattering_share(Model::transport, medium);
+    medium.g = -0.5f;
+    EXPECT_GT(single_scattering_share(Model::transport, medium), 1.5 * isotropic);
+}
+
+TEST(MarchSteps, GrowWithTheAccuracyUpToALimit) {
+    int previous = 0;
+    for (const double tolerance : {0.03, 0.01, 0.003, 0.001}) {
+        const int steps = march_steps_of_pixel(Model::transport, preset("marble"), tolerance);
+        EXPECT_EQ(steps & (steps - 1), 0);
+        EXPECT_GT(steps, previous) << tolerance;
+        previous = steps;
+    }
+    EXPECT_EQ(march_steps_of_pixel(Model::transport, preset("marble"), 0),
+              march_steps_of_pixel(Model::transport, preset("marble"), 1e-4));
+    EXPECT_LE(march_steps_of_pixel(Model::transport, preset("skin1"), 0), 1024);
+}
+
+}  // namespace
+}  // namespace tallow
