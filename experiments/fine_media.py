@@ -9,10 +9,10 @@ samples (and the same treatment, where even these are too far apart). Writes int
 
     fine_media.csv   a row a scene, density and method: plain sum, smoothed profile alone, ours
     fine_media.png   relRMSE against spacing / mean free path
-    fine_media_pictures.png   dense bunny and cube: coarse, 256 times the samples
+    fine_media_pictures.png   bunny and cube, mean free path 0.035 mm: coarse, 256 times the samples
 
 Needs the release build (./run build), the scanned bunny (./run fetch), and
-`pip install numpy matplotlib pillow`. Takes about five minutes and 2 GB in out/fine_media.
+`pip install numpy matplotlib pillow`. Takes some ten minutes and 0.5 GB in out/fine_media.
 
     experiments/fine_media.py [--models M,...] [--output DIR] [--build DIR]
 """
@@ -30,7 +30,7 @@ from matplotlib import pyplot  # noqa: E402  (after the choice of a backend with
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "out" / "fine_media"
 SPACING, FINE = 0.35, 0.35 / 16  # mm
-# Smallest mean free path of the preset in mm: densities are relative to where it is the spacing / 0.35.
+# Smallest mean free path of the preset in mm.
 PRESETS = {"marble": 1 / 3.0071, "skimmilk": 1 / 1.9142}
 RATIOS = [0.35, 1, 3, 10, 30]  # spacing / smallest mean free path
 OBJECTS = {
@@ -140,7 +140,7 @@ def show(pictures, file):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--models", default="transport,dipole,normalized-diffusion")
+    parser.add_argument("--models", default="transport,dipole")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "docs/results")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     options = parser.parse_args()
@@ -158,7 +158,7 @@ def main():
                     rows += measure(options, scene, preset, model, *caches)
                 if preset == "marble" and (name, light) in (("bunny", "point"), ("cube", "quad")):
                     for h, cache in zip((SPACING, FINE), caches):
-                        pictures.append((f"{name}, samples {h:.3g} mm apart, mfp {SPACING / 10} mm",
+                        pictures.append((f"{name}, samples {h:.2g} mm apart",
                                          render(options, scene, cache)))
                 for cache in caches:
                     cache.unlink()
@@ -167,4 +167,5 @@ def main():
     show(pictures, options.output / "fine_media_pictures.png")
 
 
-main()
+if __name__ == "__main__":
+    main()
