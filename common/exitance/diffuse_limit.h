@@ -14,7 +14,7 @@ namespace tallow {
 /// directions, at least 1 - 4 r / (pi p).
 ///
 /// Units    1. `mean_free_path` [mm] is the distance over which the profile varies.
-/// Error    1.00 to 1.22 times the exact share, of six models from 0.1 to 1000 mean free paths.
+/// Error    1.00 to 1.10 times the exact share, of six models from 0.1 to 1000 mean free paths.
 double spilled_share(const Profile& profile, double mean_free_path, double footprint);
 
 /// Whether a medium looks like a diffuse surface of reflectance R_total, M = R_total E, when it is

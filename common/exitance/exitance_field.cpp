@@ -10,9 +10,11 @@ namespace {
 
 constexpr std::size_t kGrain = 16384;
 
-// Bounds of the sum and of the control variate add up: each is asked for half of the tolerance.
+// Errors and bounds of the sum and of the control variate add up: each is asked for half of the
+// tolerance. Asked for all of it, the whole was measured at 0.86 of it, beside the edge of a
+// shadow.
 ExitanceAccuracy accuracy_of_terms(ExitanceAccuracy accuracy, bool two_terms) {
-    if (accuracy.certified && two_terms) accuracy.tolerance /= 2;
+    if (two_terms) accuracy.tolerance /= 2;
     return accuracy;
 }
 

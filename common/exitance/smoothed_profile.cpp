@@ -19,7 +19,7 @@ namespace tallow {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-constexpr double kStep = 0.12;      // of tau; halved, results change by less than 1e-6
+constexpr double kStep = 0.12;      // of tau; chosen for the error that SmoothedProfile states
 constexpr double kInnerZ = 1e-6;    // mean free paths; less than 1e-7 of any profile lies inside
 constexpr double kReach = 8.5;      // standard deviations; e^(-kReach^2 / 2) is 2e-16
 constexpr double kNodesEnd = 25;    // sigma

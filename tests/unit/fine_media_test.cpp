@@ -145,8 +145,8 @@ double edge_error(const LitBody& body, Model model, double spacing,
     return root_mean_square(exitance(body, model, spacing, points), expected) / (total(model) / 2);
 }
 
-// Measured, the worst of the four models: 0.040, 0.065, 0.088, 0.087, 0.052; the plain sum (told
-// that samples are dense) has 1.0, 0.64, 1.6, 2.8, 4.1.
+// Measured, the worst of the four models: 0.037, 0.068, 0.094, 0.095, 0.058; the plain sum (told
+// that samples are dense) has 1.2, 0.66, 1.6, 3.1, 4.6.
 TEST(FineMedia, ShadowEdges) {
     const std::pair<float, double> bounds[] = {
         {0.35f, 0.05}, {1.0f, 0.09}, {3.0f, 0.11}, {10.0f, 0.11}, {30.0f, 0.08}};
@@ -198,7 +198,7 @@ TEST(FineMedia, UniformLightOnABall) {
 }
 
 // What is done changes steadily with the spacing, through all its stages: the same samples, told
-// spacings 3 % apart. Measured: at most 0.9 % of R_total at any point, beside the edge of a shadow.
+// spacings 3 % apart. Measured: at most 1.1 % of R_total at any point, beside the edge of a shadow.
 TEST(FineMedia, NothingJumpsAsSamplesMoveApart) {
     const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f : 0.0f; };
     const LitBody body = lit_square(0.3f, lit);
@@ -238,7 +238,7 @@ double direct_double_loop(const LitBody& body, Vec3 x, double E, double spacing)
            (parts.kappa - parts.beta) * E * std::max(-1.0, 1 - mass);
 }
 
-// Measured 3e-6; tables allow 2e-5 of each of the sums.
+// Measured 9e-8; tables allow 2e-5 of each of the sums.
 TEST(FineMedia, ToleranceZeroIsTheDirectDoubleLoop) {
     const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f + 0.1f * std::sin(x.z) : 0.0f; };
     const LitBody body = lit_square(8, lit);
@@ -247,7 +247,7 @@ TEST(FineMedia, ToleranceZeroIsTheDirectDoubleLoop) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double expected =
             direct_double_loop(body, points[i].position, double(points[i].E_direct.r), 8);
-        EXPECT_NEAR(M[i].r, expected, 5e-5 * total(Model::dipole)) << i;
+        EXPECT_NEAR(M[i].r, expected, 1e-6 * total(Model::dipole)) << i;
     }
 }
 
@@ -260,7 +260,7 @@ TEST(FineMedia, HierarchyAndCertificatesHoldForTheWholeFormula) {
     std::vector<double> expected;
     double mean = 0;
     for (const Rgb& M : exact) expected.push_back(double(M.r)), mean += double(M.r) / 2000;
-    EXPECT_LT(root_mean_square(fast, expected), 0.01 * mean);  // measured 0.001
+    EXPECT_LT(root_mean_square(fast, expected), 0.01 * mean);  // measured 0.0028
 
     const BodyView view = body.view();
     const ExitanceField field(
@@ -278,7 +278,7 @@ TEST(FineMedia, HierarchyAndCertificatesHoldForTheWholeFormula) {
             above += !(bound <= 0.01f * (M - bound));
         }
     EXPECT_EQ(above, certified.uncertified);
-    EXPECT_LT(certified.uncertified, points.size() * 3 / 4);  // the dark half, by cancellation
+    EXPECT_EQ(certified.uncertified, 0u);
 }
 
 // Indirect light is not at hand at a shading point: it stays in the smoothed sum, and what is
@@ -308,7 +308,7 @@ TEST(FineMedia, IndirectLightAddsUp) {
     const auto indirect =
         ExitanceField(view, full_samples(0, 0.2f), smoothed, ExitanceAccuracy{0}).gather(points).M;
     for (std::size_t i = 0; i < points.size(); ++i)
-        EXPECT_NEAR(both[i].r, direct[i].r + indirect[i].r, 1e-6f);  // measured 6e-8
+        EXPECT_NEAR(both[i].r, direct[i].r + indirect[i].r, 1e-6f);  // measured 0
 }
 
 }  // namespace
