@@ -44,10 +44,12 @@ float surface_extent(const Surface& surface) {
 
 class SpacingChooser {
 public:
-    SpacingChooser(const Scene& scene, const SceneGeometry& geometry)
+    SpacingChooser(const Scene& scene, const SceneGeometry& geometry,
+                   std::span<const Treatment> treatment)
         : scene_(scene), geometry_(geometry) {
         for (std::uint32_t object = 0; object < scene.objects.size(); ++object)
-            if (const SubsurfaceMaterial* material = subsurface(scene, object)) {
+            if (const SubsurfaceMaterial* material = subsurface(scene, object);
+                material != nullptr && treatment[object] == Treatment::samples) {
                 const float extent = surface_extent(geometry.surfaces[object]);
                 bodies_.push_back(
                     {object, automatic_spacing(material->medium, scene.settings.tolerance, extent),
@@ -86,8 +88,7 @@ private:
             fragments = std::max(fragments, work.fragments);  // one body after the other
         }
         const double needed =
-            samples * (kBytesPerSample + kBytesPerGroup * double(scene_.groups.size())) +
-            fragments * kBytesPerFragment;
+            memory_of_samples(samples, scene_.groups.size()) + fragments * kBytesPerFragment;
         const AvailableMemory available = available_memory();
         if (needed < 0.9 * available.bytes && samples < 4e9) return;
         const auto finest = std::ranges::min_element(bodies, {}, &BodySpacing::spacing);
@@ -147,8 +148,13 @@ float automatic_spacing(const Medium& medium, double tolerance, float extent) {
 }
 
 std::vector<BodySpacing> choose_spacings(const Scene& scene, const SceneGeometry& geometry,
+                                         std::span<const Treatment> treatment,
                                          const SamplingWish& wish) {
-    return SpacingChooser(scene, geometry).choose(wish);
+    return SpacingChooser(scene, geometry, treatment).choose(wish);
+}
+
+double memory_of_samples(double samples, std::size_t groups) {
+    return samples * (kBytesPerSample + kBytesPerGroup * double(groups));
 }
 
 }  // namespace tallow

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "common/exitance/scene_plan.h"
 #include "common/optics/medium.h"
 #include "common/scene/scene.h"
 #include "common/scene/scene_geometry.h"
@@ -35,13 +37,17 @@ struct BodySpacing {
     double expected;  // samples, about
 };
 
-/// A spacing for each translucent object. A wished-for number of samples is met within 5 %: the
-/// automatic spacings are all multiplied by the factor at which that many samples are counted, so
-/// that the bodies share them as they would share those of the automatic spacings.
+/// A spacing for each object that is to be sampled. A wished-for number of samples is met within 5
+/// %: the automatic spacings are all multiplied by the factor at which that many samples are
+/// counted, so that the bodies share them as they would share those of the automatic spacings.
 ///
 /// Throws   InputError if the samples would not fit in memory, or if the bodies cannot be sampled
 ///          with so few.
 std::vector<BodySpacing> choose_spacings(const Scene& scene, const SceneGeometry& geometry,
+                                         std::span<const Treatment> treatment,
                                          const SamplingWish& wish);
+
+/// Memory that pass one takes at most for such samples, bytes.
+double memory_of_samples(double samples, std::size_t groups);
 
 }  // namespace tallow

@@ -58,7 +58,7 @@ public:
           fields_(fields),
           options_(options),
           body_(body),
-          paths_(scene, rays, options.bounces),
+          paths_(scene, rays, options.bounces, options.diffuse),
           eta_(subsurface(scene, body.object)->medium.eta),
           groups_(scene.groups.size()),
           collect_(collect),

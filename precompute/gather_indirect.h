@@ -12,9 +12,10 @@
 namespace tallow {
 
 struct IndirectOptions {
-    int bounces;      ///< >= 1
-    int rays;         ///< from each sample
-    float tolerance;  ///< of the exitance that bodies shine with
+    int bounces;                                ///< >= 1
+    int rays;                                   ///< from each sample
+    float tolerance;                            ///< of the exitance that bodies shine with
+    std::vector<std::optional<Rgb>> diffuse{};  ///< [object] bodies taken for diffuse surfaces
 };
 
 /// Fills `indirect` of every body: light that reaches a sample after it was reflected, by opaque

@@ -21,7 +21,7 @@ struct Arguments {
     std::string spacing, light_samples;
     std::optional<double> points, tolerance, checkpoint_seconds;
     std::optional<int> bounces;
-    bool resume = false;
+    bool resume = false, plan = false, everything = false;
     std::vector<std::string> overrides;
 };
 
@@ -45,6 +45,8 @@ void declare(CommandLine& line, Arguments& a) {
     line.integer("--bounces", a.bounces, 0, 64, "an integer in [0, 64]",
                  "Times that light may be reflected before it reaches a sample; 0 leaves indirect "
                  "light out [default: the scene's, or 2 where anything reflects]");
+    line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
+    line.flag("--everything", a.everything, "Compute also what the plan would leave out");
     line.flag("--resume", a.resume,
               "Go on where an interrupted run stopped: what it had is in CACHE.part");
     line.number("--checkpoint-seconds", a.checkpoint_seconds, 0, 1e6, "a number >= 0",
@@ -74,7 +76,7 @@ std::optional<int> parse_light_samples(const Arguments& a) {
 
 void make_cache(const Arguments& a, ToolRun& run) {
     if (a.scene.empty()) throw UsageError("SCENE: expected a scene file");
-    if (!a.output) throw UsageError("--output: expected a cache file to write");
+    if (!a.output && !a.plan) throw UsageError("--output: expected a cache file to write");
     PrecomputeOptions options;
     options.sampling.samples = a.points;
     if (a.points && !a.spacing.empty())
@@ -91,7 +93,13 @@ void make_cache(const Arguments& a, ToolRun& run) {
     if (a.checkpoint_seconds) options.checkpoint.seconds = *a.checkpoint_seconds;
     if (!a.light_samples.empty()) scene.settings.light_samples = parse_light_samples(a);
 
-    precompute(scene, options, *a.output, run.progress, run.stats);
+    if (a.everything) scene.settings.everything = true;
+    options.plan_only = a.plan;
+    precompute(scene, options, a.output.value_or(""), run.progress, run.stats);
+    if (a.plan) {
+        fmt::print("{}", plan_text(run.stats.plan));
+        return;
+    }
     if (a.export_ply) export_ply(*a.export_ply, MappedCache(*a.output).view());
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
+#include "common/base/parallel.h"
 #include "common/cloud/cache_io.h"
 #include "common/cloud/scene_fingerprint.h"
 #include "common/geometry/ray_scene.h"
@@ -106,9 +107,9 @@ private:
 };
 
 /// Spacings as wished for; automatic ones give way to those of an earlier cache that are as good.
-std::vector<BodySpacing> spacings_of(const Scene& scene, const SceneGeometry& geometry,
+std::vector<BodySpacing> spacings_of(const ScenePlan& plan, const SceneGeometry& geometry,
                                      const SamplingWish& wish, const EarlierCache& earlier) {
-    std::vector<BodySpacing> spacings = choose_spacings(scene, geometry, wish);
+    std::vector<BodySpacing> spacings = choose_spacings(plan.scene, geometry, plan.treatment, wish);
     if (!wish.spacing && !wish.samples)
         for (BodySpacing& body : spacings)
             body.spacing = earlier.spacing(body.object, body.spacing).value_or(body.spacing);
@@ -120,6 +121,28 @@ Fingerprint with_spacings(Fingerprint fingerprint, const std::vector<BodySpacing
         fingerprint.emplace_back(fmt::format("sampling.objects[{}].spacing_mm", body.object),
                                  fmt::format("{}", body.spacing));
     return fingerprint;
+}
+
+// Time of one sample, of one ray to a light and of one path of indirect light, on one thread.
+// Measured on the bunny (docs/PLAN.md); within a factor of two elsewhere.
+constexpr double kSecondsPerSample = 4e-7, kSecondsPerLightRay = 8e-8, kSecondsPerPath = 6e-7;
+constexpr int kLikelyLightRays = 4;  // before the pilot has looked
+
+void add_numbers(Plan& plan, const Scene& scene, const std::vector<BodySpacing>& spacings) {
+    double samples = 0;
+    for (const BodySpacing& body : spacings) {
+        samples += body.expected;
+        plan.numbers[fmt::format("objects[{}] spacing, mm", body.object)] = double(body.spacing);
+        plan.numbers[fmt::format("objects[{}] samples", body.object)] = body.expected;
+    }
+    const double light_rays =
+        double(scene.lights.size()) * scene.settings.light_samples.value_or(kLikelyLightRays);
+    const double paths = double(indirect_bounces(scene)) * kIndirectRays;
+    plan.numbers["samples"] = samples;
+    plan.numbers["memory, bytes"] = memory_of_samples(samples, scene.groups.size());
+    plan.numbers["predicted seconds"] =
+        samples * (kSecondsPerSample + light_rays * kSecondsPerLightRay + paths * kSecondsPerPath) /
+        allowed_threads();
 }
 
 CacheView make_cache(const Scene& scene, const Fingerprint& fingerprint,
@@ -154,13 +177,19 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
     const Fingerprint of_scene = scene_fingerprint(scene, geometry);
     const EarlierCache earlier(cache_file, of_scene);
 
+    PhaseTimer plan_timer(stats, "plan");
+    ScenePlan planned = plan_scene(scene, geometry, double(scene.settings.tolerance));
+    const auto spacings = spacings_of(planned, geometry, options.sampling, earlier);
+    add_numbers(planned.plan, scene, spacings);
+    stats.plan = planned.plan;
+    plan_timer.stop();
+    if (options.plan_only) return;
+    for (const Decision& decision : planned.plan.decisions)
+        if (!decision.computed) progress.note("left out: " + plan_text({{decision}, {}}));
+
     PhaseTimer bvh_timer(stats, "bvh");
     const RayScene rays(geometry.surfaces);
     bvh_timer.stop();
-
-    PhaseTimer spacing_timer(stats, "spacing");
-    const auto spacings = spacings_of(scene, geometry, options.sampling, earlier);
-    spacing_timer.stop();
     const Fingerprint fingerprint = with_spacings(of_scene, spacings);
     Checkpoint checkpoint(checkpoint_file(cache_file), fingerprint, options.checkpoint);
 
@@ -173,7 +202,8 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
         if (const int bounces = indirect_bounces(scene); bounces > 0 && !scene.lights.empty()) {
             const PhaseTimer timer(stats, "indirect");
             gather_indirect(scene, rays, bodies,
-                            {bounces, kIndirectRays, std::max(scene.settings.tolerance, 1e-3f)},
+                            {bounces, kIndirectRays, std::max(scene.settings.tolerance, 1e-3f),
+                             planned.diffuse},
                             checkpoint, progress);
         }
     } catch (const Interrupted&) {

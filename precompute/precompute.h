@@ -14,6 +14,7 @@ namespace tallow {
 struct PrecomputeOptions {
     SamplingWish sampling;
     Checkpoint::Options checkpoint;
+    bool plan_only = false;  ///< stop when the plan is made; no file is written
 };
 
 /// Pass one: scene -> samples, irradiance and octree of each translucent body -> cache file.

@@ -18,8 +18,8 @@ namespace tallow {
 /// With a texture that is the mean over 16 points: stratified ones of a square of the cell's area
 /// in its tangent plane, moved onto the body along the normal by rays. So they know seams, folds
 /// and clusters of small triangles as pass two does, and need to know nothing of how cells are cut.
-/// Points that miss the body or meet its other side are left out. A ray takes 0.3 us of one core, as
-/// much as a shadow ray.
+/// Points that miss the body or meet its other side are left out. A ray takes 0.3 us of one core,
+/// as much as a shadow ray.
 ///
 /// Error    where the texture is finer than the cells, a quarter of its standard deviation as noise
 ///          of each sample (checker of 1 and 1/4: 0.06 of 0.75); of the mean over 1700 samples

@@ -10,6 +10,7 @@
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
 #include "common/cloud/scene_fingerprint.h"
+#include "common/exitance/scene_plan.h"
 #include "common/image/exr_io.h"
 #include "common/image/png_io.h"
 #include "common/scene/scene_yaml.h"
@@ -30,6 +31,7 @@ struct Arguments {
     std::string camera, crop, aovs = "none", criterion = "error";
     std::optional<double> tolerance, certify, exposure;
     std::optional<int> samples;
+    bool plan = false, everything = false;
 };
 
 void declare(CommandLine& line, Arguments& a) {
@@ -65,6 +67,8 @@ void declare(CommandLine& line, Arguments& a) {
               "LIST");
     line.number("--exposure", a.exposure, -64, 64, "a number in [-64, 64]",
                 "Brightness of a PNG in stops [default: 0]");
+    line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
+    line.flag("--everything", a.everything, "Compute also what the plan would leave out");
     line.text_list("--set", a.overrides, "Override a value of the scene, e.g. groups.key.scale=2",
                    "KEY=VALUE");
 }
@@ -158,13 +162,15 @@ void require_image_names(const std::vector<std::string>& outputs) {
 }
 
 /// The cache, checked against the scene; an empty one if nothing in the scene needs it.
-std::optional<MappedCache> open_cache(const Arguments& a, const Scene& scene,
+std::optional<MappedCache> open_cache(const Arguments& a, const ScenePlan& planned,
                                       const SceneGeometry& geometry) {
-    bool needed = false;
-    for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        needed = needed || subsurface(scene, i) != nullptr;
+    const Scene& scene = planned.scene;
+    std::vector<std::uint32_t> needed;  // objects whose samples the picture needs
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (subsurface(scene, i) != nullptr && planned.treatment[i] == Treatment::samples)
+            needed.push_back(i);
     if (!a.cache) {
-        if (needed)
+        if (!needed.empty())
             throw UsageError(
                 "--cache: expected a cache file, because the scene has translucent "
                 "bodies; make one with tallow-precompute");
@@ -172,7 +178,21 @@ std::optional<MappedCache> open_cache(const Arguments& a, const Scene& scene,
     }
     MappedCache cache(*a.cache);
     require_fingerprint(*a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
+    for (const std::uint32_t object : needed)
+        if (std::ranges::find(cache.view().bodies, object, &BodyView::object) ==
+            cache.view().bodies.end())
+            throw InputError(fmt::format(
+                "{}: has no samples of objects[{}]: the cameras that it was made for did not need "
+                "them; re-run tallow-precompute with this scene",
+                a.cache->string(), object));
     return cache;
+}
+
+void add_lights(Plan& plan, const Scene& scene) {
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        if (max_channel(scene.groups[scene.lights[i].group].scale) == 0)
+            plan.decisions.push_back({fmt::format("lights[{}]", i), "shadow rays", false,
+                                      "not followed", "its group's scale is 0", 0.0});
 }
 
 // The dipoles and normalized diffusion hold part of the first order, which single scattering adds.
@@ -205,25 +225,37 @@ void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Ca
 }
 
 void render(const Arguments& a, ToolRun& run) {
-    require_image_names(a.outputs);
+    if (!a.plan) require_image_names(a.outputs);
     RenderOptions options;
     options.accuracy = parse_accuracy(a);
     options.layers = parse_layers(a.aovs, a.certify.has_value());
 
     PhaseTimer load_timer(run.stats, "load");
-    Scene scene = load_scene(a.scene, a.overrides);
-    if (!a.certify && !a.tolerance) options.accuracy.tolerance = scene.settings.tolerance;
-    if (a.samples) scene.settings.samples = *a.samples;
-    options.camera = find_camera(scene, a.camera);
-    const Camera& camera = scene.cameras[std::size_t(options.camera)];
+    Scene loaded = load_scene(a.scene, a.overrides);
+    if (!a.certify && !a.tolerance) options.accuracy.tolerance = loaded.settings.tolerance;
+    if (a.samples) loaded.settings.samples = *a.samples;
+    if (a.everything) loaded.settings.everything = true;
+    options.camera = find_camera(loaded, a.camera);
+    const Camera camera = loaded.cameras[std::size_t(options.camera)];
     options.crop = parse_crop(a.crop, camera);
     load_timer.stop();
-    const SceneGeometry geometry = load_geometry(scene, run.stats);
+    const SceneGeometry geometry = load_geometry(loaded, run.stats);
 
+    PhaseTimer plan_timer(run.stats, "plan");
+    ScenePlan planned = plan_scene(loaded, geometry, double(options.accuracy.tolerance));
+    add_lights(planned.plan, loaded);
+    options.diffuse = planned.diffuse;
+    run.stats.plan = planned.plan;
+    plan_timer.stop();
+    if (a.plan) {
+        fmt::print("{}", plan_text(planned.plan));
+        return;
+    }
+    const Scene& scene = planned.scene;
     note_double_counting(scene, run.progress);
 
     PhaseTimer map_timer(run.stats, "map");
-    const std::optional<MappedCache> cache = open_cache(a, scene, geometry);
+    const std::optional<MappedCache> cache = open_cache(a, planned, geometry);
     map_timer.stop();
     const CacheView view = cache ? cache->view() : CacheView{};
 

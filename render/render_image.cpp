@@ -50,6 +50,7 @@ struct Counts {
 /// Everything that tiles are rendered from.
 struct View {
     const Scene& scene;
+    const Scene& lit;  // the same without the lights that are switched off
     const SceneGeometry& geometry;
     const RayScene& rays;
     const std::vector<std::optional<Body>>& bodies;  // [object]
@@ -120,10 +121,10 @@ public:
                             point.ray * std::uint32_t(steps.of_point)});
         }
         std::vector<Rgb> L(points.size());
-        single_scatter({view_.scene, view_.rays, view_.geometry.surfaces[object], object,
-                        body.material->medium, body.connections ? &*body.connections : nullptr,
-                        body.material->albedo},
-                       eyes, steps, L);
+        single_scatter(
+            {view_.lit, view_.rays, view_.geometry.surfaces[object], object, body.material->medium,
+             body.connections ? &*body.connections : nullptr, body.material->albedo},
+            eyes, steps, L);
         for (std::size_t i = 0; i < points.size(); ++i) add(*points[i], &Pixel::single, L[i]);
     }
 
@@ -333,9 +334,18 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
     return bodies;
 }
 
-bool has_opaque_surface(const Scene& scene) {
+// Lights whose group has the scale 0 are still seen, as black shapes, but light nothing.
+Scene without_dark_lights(Scene scene) {
+    std::erase_if(scene.lights, [&](const Light& light) {
+        return max_channel(scene.groups[light.group].scale) == 0;
+    });
+    return scene;
+}
+
+bool has_opaque_surface(const Scene& scene, const RenderOptions& options) {
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (subsurface(scene, i) == nullptr) return true;
+        if (subsurface(scene, i) == nullptr || (!options.diffuse.empty() && options.diffuse[i]))
+            return true;
     return false;
 }
 
@@ -371,15 +381,17 @@ Image render_image(const Scene& scene, const SceneGeometry& geometry, const Cach
     for (const Material& material : scene.materials) albedos.push_back(albedo(material));
 
     const Tile& crop = options.crop;
-    const ReflectedLight reflected(scene, rays, indirect_bounces(scene));
+    const Scene lit = without_dark_lights(scene);
+    const ReflectedLight reflected(lit, rays, indirect_bounces(scene), options.diffuse);
     const View view{scene,
+                    lit,
                     geometry,
                     rays,
                     bodies,
                     reflected,
                     albedos,
                     camera,
-                    indirect_bounces(scene) > 0 && has_opaque_surface(scene),
+                    indirect_bounces(scene) > 0 && has_opaque_surface(scene, options),
                     options.accuracy.tolerance};
     std::vector<Pixel> pixels(crop.pixels());
     Counts counts;

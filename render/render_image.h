@@ -19,6 +19,7 @@ struct RenderOptions {
     Tile crop;       ///< pixels to render, inside the camera's image
     std::vector<std::string> layers;
     ExitanceAccuracy accuracy;
+    std::vector<std::optional<Rgb>> diffuse{};  ///< [object] of ScenePlan
 };
 
 /// Pass two: scene, geometry and cache -> image. The number of camera rays is the scene's.

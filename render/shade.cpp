@@ -11,10 +11,18 @@
 
 namespace tallow {
 
-ReflectedLight::ReflectedLight(const Scene& scene, const RayScene& rays, int bounces)
-    : scene_(scene), rays_(rays), bounces_(bounces), paths_(scene, rays, bounces) {
+ReflectedLight::ReflectedLight(const Scene& scene, const RayScene& rays, int bounces,
+                               const std::vector<std::optional<Rgb>>& diffuse)
+    : scene_(scene),
+      rays_(rays),
+      bounces_(bounces),
+      paths_(scene, rays, bounces, diffuse),
+      diffuse_(diffuse) {
+    diffuse_.resize(scene.objects.size());
     for (const Material& material : scene.materials) {
         const auto* plastic = std::get_if<PlasticMaterial>(&material.kind);
+        const auto* body = std::get_if<SubsurfaceMaterial>(&material.kind);
+        factors_.push_back(body ? std::optional(surface_factors(*body)) : std::nullopt);
         F_dr_.push_back(plastic ? float(diffuse_fresnel_reflectance(plastic->eta)) : 0.0f);
     }
 }
@@ -30,6 +38,12 @@ ReflectedLight::Base ReflectedLight::base_at(const ShadingPoint& point) const {
             fresnel_transmittance(eta, glm::dot(point.hit.n, point.w_o)) / (eta * eta);
         const Rgb rho = plastic->reflectance.at(texture_point(scene_, point.hit));
         return {leaving * rho / (Rgb(1) - F_dr_[index] * rho), {eta}};
+    }
+    if (const auto& total = diffuse_[point.hit.object]) {
+        const auto& body = std::get<SubsurfaceMaterial>(material.kind);
+        const Rgb tint = surface_tint(scene_, body.albedo, point.hit);
+        const float T = exit_factor(*factors_[index], glm::dot(point.hit.n, point.w_o));
+        return {T * tint * tint * *total, {body.medium.eta}};
     }
     return {Rgb(0), {}};
 }

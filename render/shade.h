@@ -14,10 +14,13 @@ namespace tallow {
 ///
 ///     diffuse   L = rho / pi * E
 ///     plastic   L = rho / (1 - rho F_dr) * E_t / (pi eta^2) * F_t(eta, cos_o)
+///     body      L = R_total / pi * E_t * T(w_o), where it is taken for a diffuse surface
 class ReflectedLight {
 public:
     /// Light may be reflected `bounces` times before it reaches the surface that is seen.
-    ReflectedLight(const Scene& scene, const RayScene& rays, int bounces);
+    /// Objects with a reflectance in `diffuse` [object] are bodies taken for diffuse surfaces.
+    ReflectedLight(const Scene& scene, const RayScene& rays, int bounces,
+                   const std::vector<std::optional<Rgb>>& diffuse = {});
 
     /// Of light that comes straight from the lights; each area light gets `light_samples` rays.
     Rgb direct(const ShadingPoint& point, int light_samples) const;
@@ -45,7 +48,9 @@ private:
     const RayScene& rays_;
     int bounces_;
     LightPaths paths_;
-    std::vector<float> F_dr_;  // [material] of plastics, else 0
+    std::vector<std::optional<Rgb>> diffuse_;             // [object]
+    std::vector<std::optional<SurfaceFactors>> factors_;  // [material] of translucent ones
+    std::vector<float> F_dr_;                             // [material] of plastics, else 0
 };
 
 /// Shadow rays to each area light on opaque surfaces, for a pixel: the power of two nearest to what

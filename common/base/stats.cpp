@@ -41,6 +41,19 @@ nlohmann::json to_json(const std::map<std::string, Stats::Value>& values) {
     return json;
 }
 
+nlohmann::json to_json(const Plan& plan) {
+    nlohmann::json decisions = nlohmann::json::array();
+    for (const Decision& d : plan.decisions) {
+        decisions.push_back({{"subject", d.subject},
+                             {"term", d.term},
+                             {"computed", d.computed},
+                             {"how", d.how},
+                             {"because", d.because}});
+        if (d.bound) decisions.back()["bound"] = *d.bound;
+    }
+    return {{"decisions", decisions}, {"numbers", nlohmann::json(plan.numbers)}};
+}
+
 }  // namespace
 
 Stats make_stats(std::string tool, int threads) {
@@ -65,7 +78,8 @@ void write_stats(const std::filesystem::path& file, const Stats& stats) {
                                  {"seconds", nlohmann::json(stats.seconds)},
                                  {"counts", to_json(stats.counts)},
                                  {"errors", to_json(stats.errors)},
-                                 {"versions", nlohmann::json(stats.versions)}};
+                                 {"versions", nlohmann::json(stats.versions)},
+                                 {"plan", to_json(stats.plan)}};
     // File names may hold bytes that are not UTF-8: replaced, for a summary must not fail a render.
     const auto on_bad_utf8 = nlohmann::json::error_handler_t::replace;
     OutputFile output(file);

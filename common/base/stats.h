@@ -7,6 +7,8 @@
 #include <string>
 #include <variant>
 
+#include "common/base/plan.h"
+
 namespace tallow {
 
 /// What a run measured of itself: the machine-readable summary behind --stats. A phase that did
@@ -19,12 +21,13 @@ struct Stats {
     std::map<std::string, Value> counts;
     std::map<std::string, Value> errors;
     std::map<std::string, std::string> versions;
+    Plan plan;
 };
 
 /// Fills `versions` with tallow's own, the compiler's and the libraries', and the thread count.
 Stats make_stats(std::string tool, int threads);
 
-/// Writes JSON {"tool", "seconds", "counts", "errors", "versions"}. Throws OutputError.
+/// Writes JSON {"tool", "seconds", "counts", "errors", "versions", "plan"}. Throws OutputError.
 void write_stats(const std::filesystem::path& file, const Stats& stats);
 
 /// Adds the time between its construction and stop() or destruction to stats.seconds[phase].

@@ -53,8 +53,10 @@ struct LightPaths::Walk {
     }
 };
 
-LightPaths::LightPaths(const Scene& scene, const RayScene& rays, int bounces)
-    : scene_(scene), rays_(rays), bounces_(bounces) {
+LightPaths::LightPaths(const Scene& scene, const RayScene& rays, int bounces,
+                       std::vector<std::optional<Rgb>> diffuse)
+    : scene_(scene), rays_(rays), bounces_(bounces), diffuse_(std::move(diffuse)) {
+    diffuse_.resize(scene.objects.size());
     for (const Material& material : scene.materials) {
         const auto* body = std::get_if<SubsurfaceMaterial>(&material.kind);
         factors_.push_back(body ? std::optional(surface_factors(*body)) : std::nullopt);
@@ -110,6 +112,8 @@ std::optional<LightPaths::Reflection> LightPaths::meet(const Hit& hit, Vec3 w_o,
             [&](const SubsurfaceMaterial& body) {
                 const float T = exit_factor(*factors_[index], cos_o);
                 const Rgb tint = surface_tint(scene_, body.albedo, hit);
+                if (const auto& total = diffuse_[hit.object])
+                    return meet_coated(hit, w_o, T * tint * tint * *total, body.medium.eta, walk);
                 if (walk.reflections < bounces_)
                     walk.bodies.push_back({walk.receiver, hit.object, hit.position, hit.n, w_o,
                                            kInvPi * T * tint * walk.throughput});
@@ -123,16 +127,22 @@ std::optional<LightPaths::Reflection> LightPaths::meet(const Hit& hit, Vec3 w_o,
                 const Rgb reflectance = plastic.reflectance.at(texture_point(scene_, hit));
                 const Rgb base = (1 - F) / (plastic.eta * plastic.eta) * reflectance /
                                  (Rgb(1) - F_dr_[index] * reflectance);
-                auto diffuse = meet_base(hit, base, plastic.eta, walk);
-                // One of the two goes on, chosen by what it carries.
-                const float by_coat = F / std::max(1e-6f, F + max_channel(base));
-                if (walk.random(kLobe) < by_coat) return mirror(Rgb(F / by_coat));
-                if (diffuse) diffuse->weight *= 1 / (1 - by_coat);
-                return diffuse;
+                return meet_coated(hit, w_o, base, plastic.eta, walk);
             },
             [&](const MirrorMaterial& m) { return mirror(m.reflectance); },
         },
         scene_.materials[index].kind);
+}
+
+// A Lambertian layer under a smooth coat: one of the two goes on, chosen by what it carries.
+std::optional<LightPaths::Reflection> LightPaths::meet_coated(const Hit& hit, Vec3 w_o, Rgb base,
+                                                              float eta, Walk& walk) const {
+    const float F = fresnel_reflectance(eta, std::min(1.0f, glm::dot(hit.n, w_o)));
+    auto diffuse = meet_base(hit, base, eta, walk);
+    const float by_coat = F / std::max(1e-6f, F + max_channel(base));
+    if (walk.random(kLobe) < by_coat) return Reflection{mirrored(hit, w_o), Rgb(F / by_coat), true};
+    if (diffuse) diffuse->weight *= 1 / (1 - by_coat);
+    return diffuse;
 }
 
 // A Lambertian layer that reflects the share `rho` of the light that passes a boundary of index

@@ -35,7 +35,10 @@ class LightPaths {
 public:
     /// Light may be reflected up to `bounces` times, by diffuse surfaces and bodies; mirror
     /// reflections do not count, up to kMostMirrors of them.
-    LightPaths(const Scene& scene, const RayScene& rays, int bounces);
+    /// Objects with a reflectance in `diffuse` [object] are bodies that are taken for diffuse
+    /// surfaces; empty if there are none.
+    LightPaths(const Scene& scene, const RayScene& rays, int bounces,
+               std::vector<std::optional<Rgb>> diffuse = {});
 
     static constexpr int kMostMirrors = 8;
 
@@ -58,13 +61,16 @@ private:
 
     bool meet_light(const Ray& ray, Rgb weight, const Walk& walk) const;
     std::optional<Reflection> meet(const Hit& hit, Vec3 w_o, Walk& walk) const;
+    std::optional<Reflection> meet_coated(const Hit& hit, Vec3 w_o, Rgb base, float eta,
+                                          Walk& walk) const;
     std::optional<Reflection> meet_base(const Hit& hit, Rgb rho, float eta, Walk& walk) const;
 
     const Scene& scene_;
     const RayScene& rays_;
     int bounces_;
     std::vector<std::optional<SurfaceFactors>> factors_;  // [material] of translucent ones
-    std::vector<float> F_dr_;                             // [material] of plastics, else 0
+    std::vector<std::optional<Rgb>> diffuse_;
+    std::vector<float> F_dr_;  // [material] of plastics, else 0
 };
 
 }  // namespace tallow

@@ -156,7 +156,7 @@ std::pair<Switch, Connection> read_single_scattering(const YamlMap& map) {
 MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     map.allow_only({"type", "preset", "dilution", "sigma_a", "sigma_s_prime", "sigma_s",
                     "diffuse_color", "mean_free_path", "g", "eta", "model", "single_scattering",
-                    "exit", "surface", "albedo"});
+                    "exit", "surface", "albedo", "diffuse_limit"});
     SubsurfaceMaterial material;
     material.model = read_model(map);
     material.medium = read_any_medium(map, material.model, context.lengths);
@@ -164,6 +164,9 @@ MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     map.choice_or("surface", {{"smooth", 0}}, 0);
     material.exit = map.choice_or(
         "exit", {{"normalized", Exit::normalized}, {"classic", Exit::classic}}, material.exit);
+    material.diffuse_limit = map.choice_or(
+        "diffuse_limit", {{"auto", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}},
+        material.diffuse_limit);
     std::tie(material.single_scattering, material.connection) = read_single_scattering(map);
     if (map.has("albedo")) material.albedo = read_surface_color(map, "albedo", context.textures);
     return material;

@@ -41,6 +41,9 @@ struct SubsurfaceMaterial {
     Exit exit = Exit::normalized;
     Switch single_scattering = Switch::automatic;
     Connection connection = Connection::straight;
+    /// Whether the medium is taken for a diffuse surface, which it is where its mean free paths are
+    /// far below a pixel.
+    Switch diffuse_limit = Switch::automatic;
     /// Tints light on its way in and on its way out with its square root each, so that a constant
     /// one scales the total reflectance.
     SurfaceColor albedo{Rgb(1)};
@@ -107,6 +110,7 @@ struct Settings {
     /// Times that light may be reflected, by whatever surface, before it reaches a sample; without
     /// a number as indirect_bounces() says.
     std::optional<int> bounces;
+    bool everything = false;  // compute also what the plan would leave out
 };
 
 /// Everything a scene file says, validated: indices in range, numbers finite and in their domain,

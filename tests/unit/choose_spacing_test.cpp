@@ -27,7 +27,9 @@ struct Bodies {
     }
 
     std::vector<BodySpacing> choose(const SamplingWish& wish) const {
-        return choose_spacings(scene, geometry, wish);
+        return choose_spacings(scene, geometry,
+                               std::vector<Treatment>(scene.objects.size(), Treatment::samples),
+                               wish);
     }
 
     std::vector<double> sample(double points) const {

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene and tolerance -> what is computed. Each decision is a function of its own that leaves a
+// line in the plan.
+#include "common/exitance/scene_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/base/overloaded.h"
+#include "common/exitance/diffuse_limit.h"
+#include "common/optics/fresnel.h"
+#include "common/optics/phase.h"
+
+namespace tallow {
+namespace {
+
+// A term may take this part of the tolerance when it is left out: sampling, hierarchy and noise
+// have theirs.
+constexpr double kShareOfTolerance = 1.0 / 3;
+
+struct Box {
+    Vec3 low{kInfinity}, high{-kInfinity};
+
+    void add(Vec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
+};
+
+Box box_of(const Surface& surface) {
+    Box box;
+    const auto add_ball = [&](const Affine& to_world) {
+        Vec3 half;
+        for (int i = 0; i < 3; ++i)
+            half[i] = glm::length(
+                Vec3(to_world.linear[0][i], to_world.linear[1][i], to_world.linear[2][i]));
+        box.add(to_world.translation - half);
+        box.add(to_world.translation + half);
+    };
+    std::visit(Overloaded{
+                   [&](const TriangleMesh& mesh) {
+                       for (const Vec3 v : mesh.vertices) box.add(v);
+                   },
+                   [&](const SphereSurface& sphere) { add_ball(sphere.to_world); },
+                   [&](const DiscSurface& disc) { add_ball(disc.to_world); },
+                   [&](const PlaneSurface& plane) {
+                       box.add(plane.point - Vec3(plane.radius));
+                       box.add(plane.point + Vec3(plane.radius));
+                   },
+               },
+               surface);
+    return box;
+}
+
+// Side of the smallest pixel on anything inside the box, mm: that of its nearest point.
+float smallest_footprint(const Camera& camera, const Box& box) {
+    const Vec3 nearest = glm::clamp(camera.position, box.low, box.high);
+    const float distance = glm::length(nearest - camera.position);
+    return 2 * distance * std::tan(camera.fov / 2) / float(camera.height);
+}
+
+// Whether a ball around the box may be in the picture: its centre is no farther outside of the cone
+// around the picture than its radius.
+bool may_see(const Camera& camera, const Box& box) {
+    const Vec3 center = 0.5f * (box.low + box.high);
+    const float radius = 0.5f * glm::length(box.high - box.low);
+    const Vec3 to_center = center - camera.position;
+    const float distance = glm::length(to_center);
+    if (!std::isfinite(radius) || distance <= radius) return true;
+    const float half_height = std::tan(camera.fov / 2);
+    const float half_width = half_height * float(camera.width) / float(camera.height);
+    const float cone = std::atan(std::hypot(half_height, half_width));
+    const Vec3 forward = glm::normalize(camera.look_at - camera.position);
+    const float off = std::acos(std::clamp(glm::dot(to_center / distance, forward), -1.0f, 1.0f));
+    return off <= cone + std::asin(radius / distance);
+}
+
+bool is_specular(const Material& material) {
+    return !std::holds_alternative<DiffuseMaterial>(material.kind);
+}
+
+class Planner {
+public:
+    Planner(const Scene& scene, const SceneGeometry& geometry, double tolerance)
+        : geometry_(geometry), tolerance_(tolerance), result_{scene, {}, {}, {}} {}
+
+    ScenePlan make() {
+        result_.treatment.assign(scene().objects.size(), Treatment::samples);
+        result_.diffuse.resize(scene().objects.size());
+        plan_indirect_light();
+        for (std::size_t object = 0; object < scene().objects.size(); ++object)
+            if (subsurface(scene(), object) != nullptr) plan_body(object);
+        for (Material& material : result_.scene.materials)
+            if (auto* body = std::get_if<SubsurfaceMaterial>(&material.kind))
+                plan_single_scattering(material.name, *body);
+        return std::move(result_);
+    }
+
+private:
+    const Scene& scene() const { return result_.scene; }
+    bool everything() const { return scene().settings.everything; }
+
+    void decide(std::string subject, std::string term, bool computed, std::string how,
+                std::string because, std::optional<double> bound = {}) {
+        result_.plan.decisions.push_back({std::move(subject), std::move(term), computed,
+                                          std::move(how), std::move(because), bound});
+    }
+
+    void plan_indirect_light() {
+        const int bounces = indirect_bounces(scene());
+        const bool forced = scene().settings.bounces.has_value();
+        if (bounces > 0)
+            decide("scene", "indirect light", true, fmt::format("{} bounces", bounces),
+                   forced ? "forced" : "light can reach surfaces over other surfaces");
+        else
+            decide("scene", "indirect light", false, "0 bounces",
+                   forced ? "forced" : "nothing reflects light onto anything",
+                   forced ? std::nullopt : std::optional(0.0));
+    }
+
+    void plan_body(std::size_t object) {
+        const SubsurfaceMaterial& material = *subsurface(scene(), object);
+        const std::string name = fmt::format("objects[{}]", object);
+        const Box box = box_of(geometry_.surfaces[object]);
+        if (!everything() && is_unseen(object, box)) {
+            result_.treatment[object] = Treatment::unseen;
+            decide(name, "samples", false, "not sampled",
+                   "outside of every camera's picture, and neither mirrors nor bounces show it", 0);
+            return;
+        }
+        const bool absorbs_all = max_channel(material.medium.sigma_s_prime) == 0;
+        float footprint = kInfinity;
+        for (const Camera& camera : scene().cameras)
+            footprint = std::min(footprint, smallest_footprint(camera, box));
+        const double allowed = kShareOfTolerance * tolerance_;
+        const bool forced = material.diffuse_limit != Switch::automatic;
+        const bool diffuse =
+            material.diffuse_limit == Switch::on ||
+            (!forced && !everything() &&
+             (absorbs_all || (footprint > 0 &&
+                              is_diffuse_at(material.medium, material.model, footprint, allowed))));
+        if (!diffuse) {
+            decide(name, "samples", true, "sampled",
+                   forced ? "forced"
+                          : fmt::format("pixels of {:.3g} mm resolve a mean free path of {:.3g} mm",
+                                        footprint, max_channel(material.medium.mean_free_path())));
+            return;
+        }
+        result_.treatment[object] = Treatment::diffuse;
+        result_.diffuse[object] = total_reflectance(material);
+        decide(name, "samples", false, "as a diffuse surface",
+               forced ? "forced"
+               : absorbs_all
+                   ? "the medium does not scatter"
+                   : fmt::format("light spills out of pixels of {:.3g} mm by less", footprint),
+               forced ? std::nullopt : std::optional(absorbs_all ? 0.0 : allowed));
+    }
+
+    static Rgb total_reflectance(const SubsurfaceMaterial& material) {
+        Rgb total;
+        for (int c = 0; c < 3; ++c)
+            total[c] = float(
+                make_profile(material.model, material.medium, c, Orders::all)->total_reflectance());
+        return total;
+    }
+
+    bool is_unseen(std::size_t object, const Box& box) const {
+        if (indirect_bounces(scene()) > 0) return false;  // it may light what is seen
+        for (std::size_t other = 0; other < scene().objects.size(); ++other)
+            if (other != object && is_specular(scene().materials[scene().objects[other].material]))
+                return false;
+        return std::ranges::none_of(scene().cameras,
+                                    [&](const Camera& camera) { return may_see(camera, box); });
+    }
+
+    void plan_single_scattering(const std::string& name, SubsurfaceMaterial& material) {
+        const std::string subject = "materials." + name;
+        if (material.single_scattering != Switch::automatic) {
+            decide(subject, "single scattering", material.single_scattering == Switch::on,
+                   material.single_scattering == Switch::on ? "marched" : "not marched", "forced");
+            return;
+        }
+        const double bound = single_scattering_bound(material);
+        const double edges = bright_edge_share(material);
+        const double allowed = kShareOfTolerance * tolerance_;
+        const bool computed = everything() || bound > allowed || edges > allowed;
+        material.single_scattering = computed ? Switch::on : Switch::off;
+        if (computed)
+            decide(subject, "single scattering", true, "marched",
+                   everything() ? "everything is asked for"
+                                : fmt::format("up to {:.2g} of the light; thin edges {:.2g} of the "
+                                              "surface",
+                                              bound, edges));
+        else
+            decide(subject, "single scattering", false, "left to the profile",
+                   "the phase function turns too little light back", std::max(bound, edges));
+    }
+
+    /// Share of the surface near edges so thin that light may pass them scattered once, forward:
+    /// within 4 / sigma_t of a silhouette of the smallest body of this material.
+    double bright_edge_share(const SubsurfaceMaterial& material) const {
+        double share = 0;
+        for (std::size_t object = 0; object < scene().objects.size(); ++object) {
+            if (subsurface(scene(), object) != &material) continue;
+            const Box box = box_of(geometry_.surfaces[object]);
+            const Vec3 size = box.high - box.low;
+            const float thickness = std::min({size.x, size.y, size.z});
+            share = std::max(share, 4 / (double(min_channel(material.medium.sigma_t())) *
+                                         std::max(double(thickness), 1e-30)));
+        }
+        return std::min(share, 1.0);
+    }
+
+    const SceneGeometry& geometry_;
+    double tolerance_;
+    ScenePlan result_;
+};
+
+}  // namespace
+
+double single_scattering_bound(const SubsurfaceMaterial& material) {
+    const Medium& medium = material.medium;
+    const double eta = medium.eta, cos_c = std::sqrt(std::max(0.0, 1 - 1 / (eta * eta)));
+    if (cos_c == 0) return 1;  // matched indices: grazing light runs along the surface
+    // Light is turned by an angle in [pi - 2 asin(1 / eta), pi].
+    const double cos_least = std::cos(std::numbers::pi - 2 * std::asin(1 / eta));
+    const double p_max = std::max(double(henyey_greenstein(medium.g, float(cos_least))),
+                                  double(henyey_greenstein(medium.g, -1.0f)));
+    // Of L_1 / (M T(w_o) / pi) the transmittances cancel, but for the norm of T.
+    const double norm = diffuse_fresnel_transmittance(eta);
+    double bound = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double total =
+            make_profile(material.model, medium, c, Orders::all)->total_reflectance();
+        const double once =
+            double(medium.albedo()[c]) * p_max * std::numbers::pi * norm / (2 * eta * eta * cos_c);
+        if (once > 0) bound = std::max(bound, total > 0 ? std::min(1.0, once / total) : 1.0);
+    }
+    return bound;
+}
+
+ScenePlan plan_scene(const Scene& scene, const SceneGeometry& geometry, double tolerance) {
+    return Planner(scene, geometry, tolerance).make();
+}
+
+}  // namespace tallow

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is left out, and that nothing is where it matters.
+#include "common/exitance/scene_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "common/optics/fresnel.h"
+#include "tests/support/half_space.h"
+#include "tests/support/scenes.h"
+
+namespace tallow {
+namespace {
+
+struct PlannedScene {
+    Scene scene;
+    SceneGeometry geometry;
+
+    PlannedScene() {
+        scene.cameras = {{"main", {0, 0, 100}, {0, 0, 0}, {0, 1, 0}, 0.6f, 256, 256}};
+        scene.groups = {{"default", Rgb(1)}};
+        scene.lights = {{DirectionalLight{{0, 0, -1}, Rgb(1)}, 0}};
+    }
+    void add(const Material& material, Vec3 center, float radius) {
+        scene.objects.push_back({SphereShape{radius},
+                                 std::uint32_t(scene.materials.size()),
+                                 {glm::mat3(1.0f), center},
+                                 ""});
+        scene.materials.push_back(material);
+        geometry.surfaces.push_back(SphereSurface{{glm::mat3(radius), center}});
+    }
+    ScenePlan plan(double tolerance = 0.01) const { return plan_scene(scene, geometry, tolerance); }
+};
+
+SubsurfaceMaterial body_of(const Medium& medium) {
+    SubsurfaceMaterial body;
+    body.medium = medium;
+    return body;
+}
+
+const Decision& decision(const ScenePlan& plan, const std::string& subject,
+                         const std::string& term) {
+    for (const Decision& d : plan.plan.decisions)
+        if (d.subject == subject && d.term == term) return d;
+    throw std::logic_error("no decision on " + subject + ", " + term);
+}
+
+TEST(ScenePlan, ComputesWhatAMarbleBallNeeds) {
+    PlannedScene test;
+    test.add({"marble", body_of(test::marble())}, Vec3(0), 10);
+    const ScenePlan plan = test.plan();
+    EXPECT_EQ(plan.treatment[0], Treatment::samples);
+    EXPECT_EQ(std::get<SubsurfaceMaterial>(plan.scene.materials[0].kind).single_scattering,
+              Switch::on);
+    EXPECT_FALSE(decision(plan, "scene", "indirect light").computed);  // a ball alone
+}
+
+TEST(ScenePlan, FineMediaAreDiffuseFromAfar) {
+    const Medium dense{Rgb(4), Rgb(400), 0, 1.5f};  // 2.5 micrometres
+    PlannedScene test;
+    test.add({"paint", body_of(dense)}, Vec3(0), 10);
+    EXPECT_EQ(test.plan().treatment[0], Treatment::diffuse);
+    ASSERT_TRUE(test.plan().diffuse[0]);
+    const double total = make_profile(Model::transport, dense, 0, Orders::all)->total_reflectance();
+    EXPECT_NEAR(test.plan().diffuse[0]->r, total, 1e-6);
+
+    PlannedScene near = test;  // a second camera counts as well
+    near.scene.cameras.push_back({"near", {0, 0, 10.01f}, {0, 0, 0}, {0, 1, 0}, 0.6f, 256, 256});
+    EXPECT_EQ(near.plan().treatment[0], Treatment::samples);
+
+    PlannedScene forced = test;
+    std::get<SubsurfaceMaterial>(forced.scene.materials[0].kind).diffuse_limit = Switch::off;
+    EXPECT_EQ(forced.plan().treatment[0], Treatment::samples);
+    forced = test;
+    forced.scene.settings.everything = true;
+    EXPECT_EQ(forced.plan().treatment[0], Treatment::samples);
+}
+
+TEST(ScenePlan, PureAbsorbersNeedNoSamples) {
+    PlannedScene test;
+    test.add({"ink", body_of({Rgb(1), Rgb(0), 0, 1.3f})}, Vec3(0), 10);
+    const ScenePlan plan = test.plan();
+    EXPECT_EQ(plan.treatment[0], Treatment::diffuse);
+    EXPECT_EQ(*plan.diffuse[0], Rgb(0));
+}
+
+TEST(ScenePlan, BodiesThatNobodySeesAreNotSampled) {
+    PlannedScene test;
+    test.add({"marble", body_of(test::marble())}, Vec3(0, 0, 300), 10);  // behind the camera
+    test.scene.settings.bounces = 0;
+    EXPECT_EQ(test.plan().treatment[0], Treatment::unseen);
+
+    PlannedScene lighting = test;
+    lighting.scene.settings.bounces = 1;
+    EXPECT_EQ(lighting.plan().treatment[0], Treatment::samples);
+    PlannedScene mirrored = test;
+    mirrored.add({"mirror", MirrorMaterial{Rgb(1)}}, Vec3(0, 0, -50), 5);
+    EXPECT_EQ(mirrored.plan().treatment[0], Treatment::samples);
+    PlannedScene seen = test;
+    seen.scene.cameras.push_back({"back", {0, 0, 100}, {0, 0, 300}, {0, 1, 0}, 0.6f, 256, 256});
+    EXPECT_EQ(seen.plan().treatment[0], Treatment::samples);
+    PlannedScene edge = test;  // half in the picture
+    edge.geometry.surfaces[0] = SphereSurface{{glm::mat3(10.0f), Vec3(35, 0, 0)}};
+    EXPECT_EQ(edge.plan().treatment[0], Treatment::samples);
+}
+
+TEST(ScenePlan, ForwardPeaksLeaveSingleScatteringOut) {
+    const Medium milk{Rgb(0.001f), Rgb(2), 0.98f, 1.5f};
+    PlannedScene test;
+    test.add({"milk", body_of(milk)}, Vec3(0), 10);  // 2000 optical radii
+    const ScenePlan plan = test.plan();
+    EXPECT_EQ(std::get<SubsurfaceMaterial>(plan.scene.materials[0].kind).single_scattering,
+              Switch::off);
+    EXPECT_LT(*decision(plan, "materials.milk", "single scattering").bound, 0.0034);
+
+    PlannedScene thin = test;  // light passes it scattered once
+    thin.geometry.surfaces[0] = SphereSurface{{glm::mat3(0.1f), Vec3(0)}};
+    EXPECT_EQ(std::get<SubsurfaceMaterial>(thin.plan().scene.materials[0].kind).single_scattering,
+              Switch::on);
+}
+
+// The bound holds for every pair of directions, against the closed form of a half-space.
+TEST(SingleScatteringBound, HoldsInAllDirections) {
+    for (const float eta : {1.1f, 1.33f, 1.5f, 2.0f})
+        for (const float g : {-0.5f, 0.0f, 0.7f, 0.95f})
+            for (const float absorption : {0.0f, 0.1f, 10.0f}) {
+                const SubsurfaceMaterial body = body_of({Rgb(absorption), Rgb(1), g, eta});
+                const double bound = single_scattering_bound(body);
+                const double total =
+                    make_profile(body.model, body.medium, 0, Orders::all)->total_reflectance();
+                const double norm = diffuse_fresnel_transmittance(double(eta));
+                double largest = 0;
+                for (const float cos_i : {0.01f, 0.3f, 0.7f, 1.0f})
+                    for (const float cos_o : {0.01f, 0.3f, 0.7f, 1.0f})
+                        for (const float phi : {0.0f, 1.5f, 3.14159f}) {
+                            const Vec3 to_light = test::up_direction(cos_i, 0);
+                            const Vec3 w_o = test::up_direction(cos_o, phi);
+                            const double once =
+                                double(test::half_space_radiance(body.medium, to_light, w_o).r);
+                            const double M =
+                                total * double(fresnel_transmittance(eta, cos_i) * cos_i);
+                            const double L = M / std::numbers::pi *
+                                             double(fresnel_transmittance(eta, cos_o)) / norm;
+                            largest = std::max(largest, once / L);
+                        }
+                EXPECT_LE(std::min(1.0, largest), bound * (1 + 1e-5))
+                    << eta << ' ' << g << ' ' << absorption;
+                // and it is not far from what can happen: within a factor of 3 where it is not 1
+                if (bound < 1) EXPECT_GE(largest, bound / 3) << eta << ' ' << g;
+            }
+}
+
+}  // namespace
+}  // namespace tallow
