@@ -19,6 +19,17 @@ namespace {
 // Depths that are marched together. Chosen: what is kept of them fits into the first-level cache.
 constexpr std::size_t kBatch = 256;
 
+// Mean free paths of the clearest channel that light is followed through a body of finite extent
+// along straight lines. Chosen: e^-40 is nothing, but the corrected length of a line that leaves
+// under cos_i is shorter, and light at grazing angles is lost from depths of more than 40 cos_i
+// paths: 5e-3 of what is scattered once at cos_i = 0.05, 0.07 at 0.025.
+constexpr float kReach = 40;
+
+float reach(const Surface& surface, Rgb sigma_t) {
+    const bool half_space = std::holds_alternative<PlaneSurface>(surface);
+    return half_space ? kInfinity : kReach / min_channel(sigma_t);
+}
+
 Rgb exp(Rgb x) {
     return map(x, [](float v) { return std::exp(v); });
 }
@@ -37,7 +48,11 @@ struct Place {
 class LightCollector {
 public:
     LightCollector(const ScatteringBody& body, std::span<const EyePoint> points, std::span<Rgb> sum)
-        : body_(body), points_(points), sum_(sum), sigma_t_(body.medium.sigma_t()) {}
+        : body_(body),
+          points_(points),
+          sum_(sum),
+          sigma_t_(body.medium.sigma_t()),
+          reach_(reach(body.surface, sigma_t_)) {}
 
     void add(std::span<const Place> places) {
         for (std::size_t light = 0; light < body_.scene.lights.size(); ++light) {
@@ -61,8 +76,8 @@ private:
             const auto sample = sample_light(body_.scene.lights[light], place.x, std::nullopt,
                                              light_sample(place, light));
             if (!sample) continue;
-            inside_[count] = {place.x, sample->w_i, sample->distance};
-            arriving_[count++] = {&place, sample->radiance};
+            inside_[count] = {place.x, sample->w_i, std::min(sample->distance, reach_)};
+            arriving_[count++] = {&place, sample->radiance, sample->distance};
         }
         body_.rays.intersect_object({inside_.data(), count}, body_.object, {exit_.data(), count});
         std::size_t leaving = 0;
@@ -78,6 +93,7 @@ private:
     struct Arriving {
         const Place* place;
         Rgb radiance;
+        float distance;  // to the lamp
     };
 
     /// Follows light through the surface at `exit`, where the straight line towards it leaves the
@@ -99,7 +115,7 @@ private:
         light.radiance *= phase * transmitted * ratio * exp(-exit.t * ratio * sigma_t_) *
                           surface_tint(body_.scene, body_.albedo, exit);
         outside = {body_.rays.offset_origin(exit.position, exit.n_g, inside.direction),
-                   inside.direction, inside.length - exit.t};
+                   inside.direction, light.distance - exit.t};
         return true;
     }
 
@@ -156,7 +172,8 @@ private:
     std::span<const EyePoint> points_;
     std::span<Rgb> sum_;
     Rgb sigma_t_;
-    Rgb scale_;  // of the light's group
+    float reach_;  // mm
+    Rgb scale_;    // of the light's group
     std::array<Arriving, kBatch> arriving_;
     std::array<ShadowRay, kBatch> inside_, outside_;
     std::array<std::optional<Hit>, kBatch> exit_;

@@ -62,6 +62,9 @@ inline MarchSteps lone_steps(int steps) { return {steps, steps}; }
 ///
 /// The body's albedo tints light where it enters and where it leaves; see surface_tint().
 ///
+/// Straight lines are given up after 40 mean free paths of the clearest channel, except in a
+/// half-space.
+///
 /// A light inside the body adds nothing in either version: light enters through the surface only.
 /// Other bodies are opaque to light on its way to the surface and absent inside: a body within a
 /// body gets no light, and the outer one does not notice it.

@@ -10,13 +10,14 @@
 namespace tallow {
 
 /// A point on the outside of a surface, where light is gathered. Both normals are unit and on the
-/// same side.
+/// same side. Receivers with the same seed take their rays from the same sequences, each from a
+/// first one of its own, and are stratified together.
 struct Receiver {
-    Vec3 position;       // mm
-    Vec3 n_g;            // geometric normal
-    Vec3 n;              // shading normal
-    std::uint64_t seed;  // receivers with the same seed are stratified together, with rays from
-    std::uint32_t first_ray = 0;  // different parts of the same sequences
+    Vec3 position;  // mm
+    Vec3 n_g;       // geometric normal
+    Vec3 n;         // shading normal
+    std::uint64_t seed;
+    std::uint32_t first_ray = 0;
 };
 
 /// How much of the light that arrives under a cosine counts.
