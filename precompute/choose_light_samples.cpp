@@ -8,22 +8,24 @@
 #include <cmath>
 
 #include "common/base/parallel.h"
+#include "common/base/rng.h"
 #include "precompute/light_gatherer.h"
 
 namespace tallow {
 namespace {
 
 constexpr int kMostRays = 256;            // chosen: 256 times the noise of the tracer's own edges
-constexpr std::size_t kLeastBlocks = 64;  // chosen: their mean square is known to about a tenth
+constexpr std::size_t kLeastBlocks = 64;  // chosen: their mean square is known to about a fifth
 constexpr std::size_t kBlocksEach = 64;   // one in so many blocks is in the pilot
 constexpr int kRaysForMeans = 4;          // chosen: the mean of all blocks is then known to 1 %
 constexpr double kPatchPerPath2 = 4;      // fitted, see the header
 constexpr double kAlone = 10;             // chosen, see the header
+constexpr std::uint64_t kPilotSeed = 1;   // any
 
-/// A run's sums over blocks: of the irradiance, and of the squared differences between two
-/// sequences' patches.
-struct PilotSums {
-    double E = 0, squares = 0;
+/// What is known of one block: the irradiance, mean of two runs, and the mean square difference
+/// between the runs' patches.
+struct PilotBlock {
+    double E = 0, square = 0;
 };
 
 class Pilot {
@@ -44,54 +46,71 @@ public:
 
     /// Mean irradiance by a light, mean of the channels.
     double irradiance(std::size_t light, int rays) const {
-        return run(light, rays).E / double(blocks_ * 2);
+        double sum = 0;
+        for (const PilotBlock& block : run(light, rays)) sum += block.E;
+        return sum / double(blocks_);
     }
 
-    /// Root mean square error of a patch's mean irradiance with so many rays.
+    /// Root mean square error of a patch's mean irradiance with so many rays, and as much more as
+    /// the pilot's blocks may have missed: one standard deviation of their mean.
     double noise(std::size_t light, int rays) const {
+        double sum = 0, squares = 0;
+        for (const PilotBlock& block : run(light, rays))
+            sum += block.square, squares += block.square * block.square;
+        const double n = double(blocks_), mean_square = sum / n;
+        const double missed = std::max(0.0, squares / n - mean_square * mean_square) *
+                              (1 - 1 / stride_) / n;  // none if all blocks were looked at
         // A difference of two runs has twice the variance of one.
-        return std::sqrt(run(light, rays).squares / 2 / double(blocks_));
+        return std::sqrt((mean_square + std::sqrt(missed)) / 2);
     }
 
 private:
     using Block = std::array<Transmitted, kGatherBlock>;
 
-    PilotSums run(std::size_t light, int rays) const {
-        std::vector<PilotSums> of_block(blocks_);
+    // Any of those from one multiple of the stride to the next. Always the same one would be at the
+    // same place in the Morton order's squares and get the same strata of the sequence.
+    std::size_t block(std::size_t b) const {
+        const double u = double(to_unit_float(random_bits(kPilotSeed, 0, b)));
+        return std::size_t((double(b) + u) * stride_);
+    }
+
+    std::vector<PilotBlock> run(std::size_t light, int rays) const {
+        std::vector<PilotBlock> of_block(blocks_);
         parallel_ranges(blocks_, 4, [&](std::size_t first, std::size_t last) {
             LightGatherer gatherer(scene_, rays_, samples_, eta_);
             for (std::size_t b = first; b < last; ++b)
-                of_block[b] =
-                    compare(gatherer, light, rays, std::size_t((double(b) + 0.5) * stride_));
+                of_block[b] = compare(gatherer, light, rays, block(b));
         });
-        PilotSums total;
-        for (const PilotSums& block : of_block) total.E += block.E, total.squares += block.squares;
-        return total;
+        return of_block;
     }
 
-    PilotSums compare(LightGatherer& gatherer, std::size_t light, int rays,
-                      std::size_t block) const {
+    // One run is what gather_irradiance() will do. The leading digits of its points are the same in
+    // every block, so that their luck does not average out; the other run is scrambled anew for
+    // each block, and its luck does.
+    PilotBlock compare(LightGatherer& gatherer, std::size_t light, int rays,
+                       std::size_t block) const {
         const std::size_t begin = block * kGatherBlock;
         const std::size_t end = std::min(samples_.size(), begin + kGatherBlock);
         Block one{}, other{};
-        gatherer.add(light, rays, Sobol2d(mix_bits(2 * light + 1)), begin, end, one);
-        gatherer.add(light, rays, Sobol2d(~mix_bits(2 * light + 1)), begin, end, other);
-        PilotSums sums;
+        const Sobol2d fresh(mix_bits(~mix_bits(light) + block));
+        gatherer.add(light, rays, light_sequence(light), begin, end, one);
+        gatherer.add(light, rays, fresh, begin, end, other);
+        PilotBlock result;
         const std::size_t count = end - begin;
         for (std::size_t first = 0; first < count; first += patch_) {
             const std::size_t size = std::min(patch_, count - first);
             Rgb difference;
             for (std::size_t i = first; i < first + size; ++i) {
                 difference += one[i].E_t - other[i].E_t;
-                sums.E += double(mean(one[i].E_t) + mean(other[i].E_t)) / double(count);
+                result.E += double(mean(one[i].E_t) + mean(other[i].E_t)) / double(2 * count);
             }
             const double share = double(size) / double(count);
             for (int c = 0; c < 3; ++c) {  // in double: squares of bright light
                 const double d = double(difference[c]) / double(size);
-                sums.squares += d * d * share / 3;
+                result.square += d * d * share / 3;
             }
         }
-        return sums;
+        return result;
     }
 
     const Scene& scene_;

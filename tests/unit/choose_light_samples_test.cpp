@@ -88,19 +88,14 @@ TEST(ChooseLightSamples, SameForAnyNumberOfThreads) {
     EXPECT_EQ(lit_floor().choose(scene, 0.005), all);
 }
 
-// What was chosen keeps its promise: noise of patches of 32 samples, which is what the exitance
-// averages at mfp = 0.28, against 1024 rays.
-TEST(ChooseLightSamples, NoiseOfPatchesStaysBelowAThirdOfTheTolerance) {
-    const double tolerance = 0.01;
-    const Scene scene = lit_scene({ceiling(20, 30, Rgb(1))});
-    const LightSampleCounts chosen = lit_floor().choose(scene, tolerance, 0.2829f);
+std::vector<Rgb> gather(const Scene& scene, int rays) {
     Progress quiet(true);
-    const auto E = [&](const LightSampleCounts& counts) {
-        return gather_irradiance(scene, lit_floor().rays, lit_floor().samples, 1.3f, counts, quiet)
-            .at(0)
-            .E_t;
-    };
-    const std::vector<Rgb> noisy = E(chosen), exact = E({1024});
+    const Floor& floor = lit_floor();
+    return gather_irradiance(scene, floor.rays, floor.samples, 1.3f, {rays}, quiet).at(0).E_t;
+}
+
+// relRMSE of the means of 32 samples, which is what the exitance averages at mfp = 0.2829.
+double noise_of_patches(const std::vector<Rgb>& noisy, const std::vector<Rgb>& exact) {
     double squares = 0, sum = 0;
     constexpr std::size_t kPatch = 32;
     for (std::size_t first = 0; first < noisy.size(); first += kPatch) {
@@ -111,8 +106,26 @@ TEST(ChooseLightSamples, NoiseOfPatchesStaysBelowAThirdOfTheTolerance) {
         }
         squares += error * error * kPatch / double(noisy.size());
     }
-    EXPECT_LT(std::sqrt(squares) / sum, tolerance / 3);
-    EXPECT_GT(chosen[0], 1);
+    return std::sqrt(squares) / sum;
+}
+
+// What was chosen keeps its promise. Measured, of the allowed: 0.56, 0.76 (by area) and 0.64 (by
+// solid angle). A pilot with two sequences of its own, in blocks at the same place of the Morton
+// order's squares, had 1.04, 1.47 and 1.44: a sequence that is lucky in one block is in all.
+TEST(ChooseLightSamples, NoiseOfPatchesStaysBelowAThirdOfTheTolerance) {
+    const double tolerance = 0.01;
+    for (const float side : {4.0f, 12.0f, 30.0f}) {
+        const Scene scene = lit_scene({ceiling(20, side, Rgb(1))});
+        const int chosen = lit_floor().choose(scene, tolerance, 0.2829f)[0];
+        ASSERT_GE(chosen, 4);
+        const std::vector<Rgb> exact = gather(scene, 128);  // has 0.0005 itself
+        const double noise = noise_of_patches(gather(scene, chosen), exact);
+        EXPECT_LT(noise, tolerance / 3) << "side " << side << ", rays " << chosen;
+        // And no more rays than that takes; measured 1.28 to 1.84.
+        EXPECT_GT(noise_of_patches(gather(scene, chosen / 4), exact), tolerance / 3) << side;
+        RecordProperty("of the allowed, side " + std::to_string(int(side)),
+                       std::to_string(noise / tolerance * 3));
+    }
 }
 
 }  // namespace
