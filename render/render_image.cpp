@@ -334,11 +334,9 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
     return bodies;
 }
 
-// Lights whose group has the scale 0 are still seen, as black shapes, but light nothing.
+// Lights whose group has the scale 0 get no rays.
 Scene without_dark_lights(Scene scene) {
-    std::erase_if(scene.lights, [&](const Light& light) {
-        return max_channel(scene.groups[light.group].scale) == 0;
-    });
+    for (Light& light : scene.lights) light.off = max_channel(scene.groups[light.group].scale) == 0;
     return scene;
 }
 

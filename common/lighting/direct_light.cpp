@@ -58,6 +58,7 @@ void add_direct_light(const Scene& scene, const RayScene& rays, const Receiver& 
     const Vec3 origin = rays.offset_origin(receiver.position, receiver.n_g, receiver.n_g);
     for (std::size_t index = 0; index < scene.lights.size(); ++index) {
         const Light& light = scene.lights[index];
+        if (light.off) continue;
         const int count = is_delta(light) ? 1 : light_samples;
         const Sobol2d sequence(receiver.seed + index);
         for (int k = 0; k < count; ++k) {

@@ -85,6 +85,7 @@ using LightShape = std::variant<PointLight, DirectionalLight, SpotLight, QuadLig
 struct Light {
     LightShape shape;
     std::uint32_t group = 0;  // index into Scene::groups
+    bool off = false;         // lights nothing: no shadow rays; seen all the same, in black
 };
 
 /// Light that may arrive at a point from one direction.

@@ -384,6 +384,27 @@ TEST(Pipeline, ChangedMediumKeepsDirectLight) {
     EXPECT_EQ(read_bytes(folder / "scene.tallow"), from_nothing);
 }
 
+// The plan is told before any work, and no file is written.
+TEST(Pipeline, PlanIsPrintedAndNothingIsDone) {
+    const path folder = pyramid_folder();
+    const Result one = precompute({folder / "scene.yaml", "--plan", "--bounces", "0"});
+    EXPECT_EQ(one.exit_code, 0) << one.err;
+    EXPECT_NE(one.out.find("scene                    indirect light       left out  0 bounces; "
+                           "forced\n"),
+              std::string::npos)
+        << one.out;
+    EXPECT_NE(one.out.find("materials.stone          single scattering    computed"),
+              std::string::npos)
+        << one.out;
+    EXPECT_NE(one.out.find("predicted seconds"), std::string::npos);
+    const Result two = render({folder / "scene.yaml", "--plan", "--set", "groups.key.scale=0"});
+    EXPECT_EQ(two.exit_code, 0) << two.err;
+    EXPECT_NE(two.out.find("lights[0]                shadow rays          left out"),
+              std::string::npos)
+        << two.out;
+    EXPECT_FALSE(std::filesystem::exists(folder / "scene.tallow"));
+}
+
 TEST(Pipeline, StatsNameWhatRan) {
     const path folder = pyramid_folder();
     make_cache(folder, {"--stats", (folder / "one.json").string()});

@@ -23,7 +23,8 @@ GroupIrradiance gather(const Scene& scene, float eta, std::span<const Surface> b
     const RayScene rays(blockers);
     Progress quiet(true);
     return gather_irradiance(scene, rays, samples, eta,
-                             equal_light_samples(scene, scene.settings.light_samples.value()), quiet)
+                             equal_light_samples(scene, scene.settings.light_samples.value()),
+                             quiet)
         .at(0);
 }
 

@@ -57,7 +57,7 @@ TEST(ScenePlan, ComputesWhatAMarbleBallNeeds) {
 }
 
 TEST(ScenePlan, FineMediaAreDiffuseFromAfar) {
-    const Medium dense{Rgb(4), Rgb(400), 0, 1.5f};  // 2.5 micrometres
+    const Medium dense{Rgb(400), Rgb(40000), 0, 1.5f};  // 25 nanometres
     PlannedScene test;
     test.add({"paint", body_of(dense)}, Vec3(0), 10);
     EXPECT_EQ(test.plan().treatment[0], Treatment::diffuse);

@@ -20,14 +20,21 @@ nlohmann::json written(const Stats& stats) {
     return nlohmann::json::parse(std::ifstream(file));
 }
 
-TEST(Stats, WritesFiveSections) {
+TEST(Stats, WritesSixSections) {
     Stats stats = make_stats("tallow-test", 2);
     stats.seconds["load"] = 0.25;
     stats.counts["samples"] = std::int64_t{1} << 40;
     stats.counts["mesh"] = "bunny.ply";
     stats.errors["bound"] = 0.5;
+    stats.plan.decisions = {{"scene", "indirect light", false, "0 bounces", "forced", {}},
+                            {"objects[0]", "samples", false, "diffuse", "small", 0.25}};
+    stats.plan.numbers["samples"] = 7;
     const nlohmann::json json = written(stats);
-    EXPECT_EQ(json.size(), 5u);
+    EXPECT_EQ(json["plan"]["numbers"]["samples"], 7);
+    EXPECT_EQ(json["plan"]["decisions"][0]["term"], "indirect light");
+    EXPECT_FALSE(json["plan"]["decisions"][0].contains("bound"));
+    EXPECT_EQ(json["plan"]["decisions"][1]["bound"], 0.25);
+    EXPECT_EQ(json.size(), 6u);
     EXPECT_EQ(json["tool"], "tallow-test");
     EXPECT_EQ(json["seconds"], (nlohmann::json{{"load", 0.25}}));
     EXPECT_EQ(json["counts"]["samples"], std::int64_t{1} << 40);
