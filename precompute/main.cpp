@@ -20,7 +20,7 @@ struct Arguments {
     std::optional<std::filesystem::path> output, info, export_ply;
     std::string spacing, light_samples;
     std::optional<double> points, tolerance, checkpoint_seconds;
-    std::optional<int> bounces;
+    std::optional<int> bounces, indirect_samples;
     bool resume = false, plan = false, everything = false;
     std::vector<std::string> overrides;
 };
@@ -45,6 +45,9 @@ void declare(CommandLine& line, Arguments& a) {
     line.integer("--bounces", a.bounces, 0, 64, "an integer in [0, 64]",
                  "Times that light may be reflected before it reaches a sample; 0 leaves indirect "
                  "light out [default: the scene's, or 2 where anything reflects]");
+    line.integer("--indirect-samples", a.indirect_samples, 1, 65536, "an integer in [1, 65536]",
+                 "Paths of indirect light from each sample [default: the scene's, or from the "
+                 "tolerance]");
     line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
     line.flag("--everything", a.everything, "Compute also what the plan would leave out");
     line.flag("--resume", a.resume,
@@ -89,6 +92,7 @@ void make_cache(const Arguments& a, ToolRun& run) {
     load_timer.stop();
     if (a.tolerance) scene.settings.tolerance = float(*a.tolerance);
     if (a.bounces) scene.settings.bounces = *a.bounces;
+    if (a.indirect_samples) scene.settings.indirect_samples = *a.indirect_samples;
     options.checkpoint.resume = a.resume;
     if (a.checkpoint_seconds) options.checkpoint.seconds = *a.checkpoint_seconds;
     if (!a.light_samples.empty()) scene.settings.light_samples = parse_light_samples(a);

@@ -255,6 +255,11 @@ Fingerprint scene_fingerprint(const Scene& scene, const SceneGeometry& geometry)
     for (std::size_t i = 0; i < scene.groups.size(); ++i)
         fingerprint.emplace_back(fmt::format("groups[{}].name", i), scene.groups[i].name);
     add_indirect_light(fingerprint, scene);
+    if (indirect_bounces(scene) > 0)
+        fingerprint.emplace_back("sampling.indirect_samples",
+                                 scene.settings.indirect_samples
+                                     ? fmt::format("{}", *scene.settings.indirect_samples)
+                                     : "auto");
     fingerprint.emplace_back(
         "sampling.light_samples",
         scene.settings.light_samples ? fmt::format("{}", *scene.settings.light_samples) : "auto");

@@ -4,7 +4,7 @@
 namespace tallow {
 namespace {
 
-// Chosen: the third reflection brings less than 1 % to figures on a table (docs/INDIRECT.md).
+// Chosen: further reflections bring 1 % to the bunny on its table (docs/INDIRECT.md).
 constexpr int kAutomaticBounces = 2;
 
 bool is_convex(const Shape& shape) { return !std::holds_alternative<MeshShape>(shape); }

@@ -110,6 +110,8 @@ struct Settings {
     /// Times that light may be reflected, by whatever surface, before it reaches a sample; without
     /// a number as indirect_bounces() says.
     std::optional<int> bounces;
+    /// Paths of indirect light from each sample; without a number, from the tolerance.
+    std::optional<int> indirect_samples;
     bool everything = false;  // compute also what the plan would leave out
 };
 

@@ -56,11 +56,15 @@ std::optional<int> read_light_samples(const YamlMap& settings) {
 Settings read_settings(const YamlNode& section) {
     constexpr Range kTolerance{0, 1, "a number in [0, 1)", false, true};
     const YamlMap map(section, "settings");
-    map.allow_only({"tolerance", "samples", "light_samples", "bounces", "plan"});
+    map.allow_only(
+        {"tolerance", "samples", "light_samples", "bounces", "indirect_samples", "plan"});
     Settings settings;
     settings.tolerance = map.number_or("tolerance", kTolerance, settings.tolerance);
     settings.samples = map.integer_or("samples", 1, kLargestCount, settings.samples);
     if (map.has("light_samples")) settings.light_samples = read_light_samples(map);
+    if (map.has("indirect_samples") && map.at("indirect_samples").text != "auto")
+        settings.indirect_samples =
+            yaml_integer(map.at("indirect_samples"), "indirect_samples", 1, kLargestCount);
     settings.everything = map.choice_or("plan", {{"auto", false}, {"everything", true}}, false);
     if (map.has("bounces") && map.at("bounces").text != "auto")
         settings.bounces = yaml_integer(map.at("bounces"), "bounces", 0, kMostBounces);
