@@ -60,6 +60,7 @@ ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders 
     const Rgb scale = medium.mean_free_path();
     std::array<std::unique_ptr<Profile>, 3> profiles;
     std::array<double, 3> scales{}, beta{}, kappa{};
+    std::array<bool, 3> smoothed{};
     parallel_for(3, 1, [&](std::size_t c) {
         profiles[c] = make_profile(model, medium, int(c), orders);
         scales[c] = scale[int(c)];
@@ -69,11 +70,16 @@ ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders 
         profiles[c] =
             std::make_unique<SmoothedProfile>(*profiles[c], scales[c], treatment.smoothing);
         scales[c] = std::max(scales[c], treatment.smoothing.sigma);
+        smoothed[c] = true;
     });
     const double unit = KernelTable::unit_near((scales[0] + scales[1] + scales[2]) / 3);
     std::array<std::optional<KernelTable>, 3> tables;
     parallel_for(3, 1, [&](std::size_t c) { tables[c] = tabulate(*profiles[c], scales[c], unit); });
-    return {{*tables[0], *tables[1], *tables[2]}, beta, kappa, kCorrected * spacing_mm};
+    return {{*tables[0], *tables[1], *tables[2]},
+            beta,
+            kappa,
+            kCorrected * spacing_mm,
+            smoothed[0] || smoothed[1] || smoothed[2]};
 }
 
 std::array<KernelTable, 3> tabulate_profiles(Model model, const Medium& medium, Orders orders) {

@@ -251,17 +251,36 @@ TEST(FineMedia, ToleranceZeroIsTheDirectDoubleLoop) {
     }
 }
 
-TEST(FineMedia, HierarchyAndCertificatesHoldForTheWholeFormula) {
+// Points close together, who all have the same nodes around them, are the hardest. Measured, of the
+// tolerance: up to 0.72; sums that are asked for all of it have up to 1.8.
+TEST(FineMedia, HierarchyKeepsTheToleranceForTheWholeFormula) {
+    const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f + 0.1f * std::sin(x.z) : 0.0f; };
+    for (const float h : {0.35f, 1.0f, 3.0f}) {
+        const LitBody body(square(24 * h, 6 * h), h, lit);
+        const auto points = points_near_centre(4 * h, 2000, lit);
+        for (const Model model : {Model::dipole, Model::transport}) {
+            std::vector<double> expected;
+            double mean = 0;
+            for (const Rgb& M : exitance(body, model, double(h), points)) {
+                expected.push_back(double(M.r));
+                mean += double(M.r) / double(points.size());
+            }
+            for (const float tolerance : {0.025f, 0.01f, 0.003f}) {
+                const double error =
+                    root_mean_square(exitance(body, model, double(h), points, tolerance), expected);
+                EXPECT_LT(error, double(tolerance) * mean)
+                    << "h " << h << " model " << int(model) << " tolerance " << tolerance;
+                EXPECT_GT(error, 0);  // or it is not the hierarchy
+            }
+        }
+    }
+}
+
+TEST(FineMedia, CertificatesHoldForTheWholeFormula) {
     const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f + 0.1f * std::sin(x.z) : 0.0f; };
     const LitBody body = lit_square(3, lit);
     const auto points = points_near_centre(12, 2000, lit);
     const auto exact = exitance(body, Model::transport, 3, points);
-    const auto fast = exitance(body, Model::transport, 3, points, 0.01f);
-    std::vector<double> expected;
-    double mean = 0;
-    for (const Rgb& M : exact) expected.push_back(double(M.r)), mean += double(M.r) / 2000;
-    EXPECT_LT(root_mean_square(fast, expected), 0.01 * mean);  // measured 0.001
-
     const BodyView view = body.view();
     const ExitanceField field(
         view, light_samples(view, kOneGroup),
