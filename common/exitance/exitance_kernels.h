@@ -18,7 +18,8 @@ struct ExitanceKernels {
     std::array<KernelTable, 3> profiles;  // R or R * g, in a common unit
     // Weights of the control variate, all 0 where the samples resolve R. See NearbyParts.
     std::array<double, 3> beta{}, kappa{};
-    double sigma = 0;  // of g, mm; the control variate's, and R's where beta > 0
+    double sigma = 0;       // of g, mm; the control variate's, and R's where beta > 0
+    bool smoothed = false;  // any of the profiles
 
     bool needs_irradiance() const { return beta != std::array<double, 3>{}; }
 };

@@ -42,7 +42,8 @@ public:
 
     /// Sums whose measured relative error stays below `tolerance`, in (0, 1): the root mean square
     /// over all targets, over their mean. Not a bound, and measured for kernels that fall; a kernel
-    /// that rises first can miss it by half. The same for any number of threads.
+    /// that rises first can miss it by half, one as wide as a few nodes by twice. The same for any
+    /// number of threads.
     void evaluate(const TargetGroups& targets, float tolerance, const Output& output) const;
 
     /// Sums with |sum - M| <= bound <= tolerance * M for each target, M the exact sum with the

@@ -38,8 +38,8 @@ struct LitBody {
     BodyView view() const {
         double area = 0;
         for (const float a : samples.area) area += double(a);
-        return {0,     spacing,     area, samples.position, samples.normal, samples.area,
-                nodes, {{E_t, w_i}}};
+        return {0,     spacing,      area, samples.position, samples.normal, samples.area,
+                nodes, {{E_t, w_i}}, {}};
     }
 };
 
@@ -85,14 +85,19 @@ std::vector<ExitancePoint> points_near_centre(float reach, std::size_t count, co
     return points;
 }
 
-std::vector<Rgb> exitance(const LitBody& body, Model model, double spacing,
+std::vector<Rgb> exitance(const LitBody& body, const ExitanceKernels& kernels,
                           std::span<const ExitancePoint> points, float tolerance = 0) {
     const BodyView view = body.view();
-    const ExitanceField field(
-        view, light_samples(view, kOneGroup),
-        make_exitance_kernels(model, grey_medium(kAbsorption, 1, 1.3f), Orders::all, spacing),
-        ExitanceAccuracy{tolerance});
+    const ExitanceField field(view, light_samples(view, kOneGroup), kernels,
+                              ExitanceAccuracy{tolerance});
     return field.gather(points).M;
+}
+
+std::vector<Rgb> exitance(const LitBody& body, Model model, double spacing,
+                          std::span<const ExitancePoint> points, float tolerance = 0) {
+    const Medium medium = grey_medium(kAbsorption, 1, 1.3f);
+    return exitance(body, make_exitance_kernels(model, medium, Orders::all, spacing), points,
+                    tolerance);
 }
 
 double total(Model model) {
@@ -106,58 +111,118 @@ double root_mean_square(const std::vector<Rgb>& M, const std::vector<double>& ex
     return std::sqrt(sum / double(M.size()));
 }
 
-// Analytic limit: M = E R_total, on random points between irregular cells. Measured at most 0.007
-// (normalized diffusion at 0.35; 0.006 at 3); the plain sum is up to 1 and 3 off there.
+// Analytic limit: M = E R_total, on random points between irregular cells. Measured, the worst of
+// six models: 0.0060, 0.0100 (dipole; plain 0.019), 0.0053, 0.0015, 0.0002; the plain sum of the
+// worst has 0.74, 0.62, 1.7, 3.7, 6.4.
 TEST(FineMedia, UniformLightOnAHalfSpaceGivesTheTotal) {
     const auto uniform = [](Vec3) { return 1.0f; };
-    for (const float h : {0.35f, 1.0f, 3.0f, 10.0f, 30.0f}) {
+    const std::pair<float, double> bounds[] = {
+        {0.35f, 0.008}, {1.0f, 0.012}, {3.0f, 0.008}, {10.0f, 0.002}, {30.0f, 0.0005}};
+    for (const auto& [h, bound] : bounds) {
         const LitBody body = lit_square(h, uniform);
         const auto points = points_near_centre(3 * h, 300, uniform);
         for (const auto& [name, model] : kModels) {
             const std::vector<double> expected(points.size(), total(model));
             const double error =
                 root_mean_square(exitance(body, model, double(h), points), expected) / total(model);
-            EXPECT_LT(error, 0.01) << name << " h " << h;
+            EXPECT_LT(error, bound) << name << " h " << h;
         }
     }
 }
 
-// M at distance d from a straight edge of the light, on its lit side if d > 0.
-double behind_edge(const Profile& profile, double d) {
-    const double low = std::log(1e-5), high = std::log(200.0);
-    constexpr int n = 1000;
-    double sum = 0;
-    for (int i = 0; i < n; ++i) {
-        const double r = std::exp(low + (i + 0.5) * (high - low) / n);
-        const double dark = r > std::abs(d) ? std::acos(std::abs(d) / r) / std::numbers::pi : 0.0;
-        sum += r * r * profile(r * r) * (d > 0 ? 1 - dark : dark);
+// M beside a straight edge of the light, by quadrature over circles.
+class BehindEdge {
+public:
+    explicit BehindEdge(const Profile& profile) {
+        const double low = std::log(1e-5), step = (std::log(200.0) - low) / kRings;
+        for (int i = 0; i < kRings; ++i) {
+            const double r = std::exp(low + (i + 0.5) * step);
+            radius_.push_back(r);
+            ring_.push_back(2 * std::numbers::pi * r * r * profile(r * r) * step);
+        }
     }
-    return 2 * std::numbers::pi * sum * (high - low) / n;
+    // At distance d, on its lit side if d > 0.
+    double operator()(double d) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < radius_.size(); ++i) {
+            const double cosine = std::min(1.0, std::abs(d) / radius_[i]);
+            const double dark = std::acos(cosine) / std::numbers::pi;
+            sum += ring_[i] * (d > 0 ? 1 - dark : dark);
+        }
+        return sum;
+    }
+
+private:
+    static constexpr int kRings = 1000;
+    std::vector<double> radius_, ring_;
+};
+
+/// A straight edge of the light, at some angle to the cells and at some place among them.
+struct Edge {
+    Vec3 to_light, along;
+    float offset;
+
+    Edge(float h, std::uint64_t index) : offset(h * (random_float(8, index) - 0.5f)) {
+        const float angle = 2 * float(std::numbers::pi) * random_float(9, index);
+        to_light = {std::cos(angle), 0, std::sin(angle)};
+        along = {-std::sin(angle), 0, std::cos(angle)};
+    }
+    float E(Vec3 x) const { return glm::dot(x, to_light) > offset ? 1.0f : 0.0f; }
+};
+
+// A body in the light of an edge, and what M is at some points in a band of five spacings (but at
+// least mean free paths) on both sides.
+struct EdgeCase {
+    LitBody body;
+    std::vector<ExitancePoint> points;
+    std::vector<double> distance;
+
+    EdgeCase(float h, const Edge& edge, std::size_t count)
+        : body(lit_square(h, [&](Vec3 x) { return edge.E(x); })) {
+        const float reach = 5 * std::max(1.0f, h);
+        for (std::size_t i = 0; i < count; ++i) {
+            const float d = reach * (2 * random_float(2, i) - 1);
+            const Vec3 x = (edge.offset + d) * edge.to_light +
+                           reach * (random_float(3, i) - 0.5f) * edge.along;
+            points.push_back({x, Vec3(0, 1, 0), Vec3(0, 1, 0), Rgb(d > 0 ? 1.0f : 0.0f)});
+            distance.push_back(double(d));
+        }
+    }
+};
+
+// RMS over the points of all cases, over the mean.
+double edge_error(const std::vector<EdgeCase>& cases, const Profile& profile,
+                  const ExitanceKernels& kernels) {
+    const BehindEdge M(profile);
+    double squares = 0;
+    for (const EdgeCase& edge : cases) {
+        std::vector<double> expected;
+        for (const double d : edge.distance) expected.push_back(M(d));
+        squares +=
+            std::pow(root_mean_square(exitance(edge.body, kernels, edge.points), expected), 2);
+    }
+    return std::sqrt(squares / double(cases.size())) / (profile.total_reflectance() / 2);
 }
 
-// RMS over a band of five spacings (but at least mean free paths) on both sides, over the mean.
-double edge_error(const LitBody& body, Model model, double spacing,
-                  const std::vector<ExitancePoint>& points) {
-    const auto profile = make_profile(model, grey_medium(kAbsorption, 1, 1.3f), 0, Orders::all);
-    std::vector<double> expected;
-    for (const ExitancePoint& point : points)
-        expected.push_back(behind_edge(*profile, double(point.position.x)));
-    return root_mean_square(exitance(body, model, spacing, points), expected) / (total(model) / 2);
-}
-
-// Measured, the worst of the four models: 0.037, 0.068, 0.094, 0.095, 0.058; the plain sum (told
-// that samples are dense) has 1.2, 0.66, 1.6, 3.1, 4.6.
+// Eight edges at any angle: of one alone, ours over the plain sum varies by a tenth where they are
+// about equal. Measured, the worst of the four models: 0.031, 0.066, 0.093, 0.091, 0.053; the plain
+// sum (told that samples are dense) has 0.36, 1.05, 2.8, 6.1, 10.4. The dipole at 1: 0.052, plain
+// 0.054; with 64 edges 1.00 times the plain sum's error.
 TEST(FineMedia, ShadowEdges) {
     const std::pair<float, double> bounds[] = {
-        {0.35f, 0.05}, {1.0f, 0.09}, {3.0f, 0.11}, {10.0f, 0.11}, {30.0f, 0.08}};
-    const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f : 0.0f; };
+        {0.35f, 0.04}, {1.0f, 0.08}, {3.0f, 0.11}, {10.0f, 0.11}, {30.0f, 0.07}};
+    const Medium medium = grey_medium(kAbsorption, 1, 1.3f);
     for (const auto& [h, bound] : bounds) {
-        const LitBody body = lit_square(h, lit);
-        const auto points = points_near_centre(5 * std::max(1.0f, h), 300, lit);
+        std::vector<EdgeCase> cases;
+        for (std::uint64_t i = 0; i < 8; ++i) cases.emplace_back(h, Edge(h, i), 60);
         for (const Model model : {Model::dipole, Model::photon_beam_diffusion, Model::transport,
                                   Model::normalized_diffusion}) {
-            const double ours = edge_error(body, model, double(h), points);
-            const double plain = edge_error(body, model, 1e-4, points);
+            const auto profile = make_profile(model, medium, 0, Orders::all);
+            const auto error = [&](double spacing) {
+                return edge_error(cases, *profile,
+                                  make_exitance_kernels(model, medium, Orders::all, spacing));
+            };
+            const double ours = error(double(h)), plain = error(1e-4);
             EXPECT_LT(ours, bound) << "model " << int(model) << " h " << h;
             EXPECT_LT(ours, h < 3 ? 1.05 * plain : plain / 3)
                 << "model " << int(model) << " h " << h;
@@ -251,17 +316,36 @@ TEST(FineMedia, ToleranceZeroIsTheDirectDoubleLoop) {
     }
 }
 
-TEST(FineMedia, HierarchyAndCertificatesHoldForTheWholeFormula) {
+// Points close together, who all have the same nodes around them, are the hardest. Measured, of the
+// tolerance: up to 0.72; sums that are asked for all of it have up to 1.8.
+TEST(FineMedia, HierarchyKeepsTheToleranceForTheWholeFormula) {
+    const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f + 0.1f * std::sin(x.z) : 0.0f; };
+    for (const float h : {0.35f, 1.0f, 3.0f}) {
+        const LitBody body(square(24 * h, 6 * h), h, lit);
+        const auto points = points_near_centre(4 * h, 2000, lit);
+        for (const Model model : {Model::dipole, Model::transport}) {
+            std::vector<double> expected;
+            double mean = 0;
+            for (const Rgb& M : exitance(body, model, double(h), points)) {
+                expected.push_back(double(M.r));
+                mean += double(M.r) / double(points.size());
+            }
+            for (const float tolerance : {0.025f, 0.01f, 0.003f}) {
+                const double error =
+                    root_mean_square(exitance(body, model, double(h), points, tolerance), expected);
+                EXPECT_LT(error, double(tolerance) * mean)
+                    << "h " << h << " model " << int(model) << " tolerance " << tolerance;
+                EXPECT_GT(error, 0);  // or it is not the hierarchy
+            }
+        }
+    }
+}
+
+TEST(FineMedia, CertificatesHoldForTheWholeFormula) {
     const auto lit = [](Vec3 x) { return x.x > 0 ? 1.0f + 0.1f * std::sin(x.z) : 0.0f; };
     const LitBody body = lit_square(3, lit);
     const auto points = points_near_centre(12, 2000, lit);
     const auto exact = exitance(body, Model::transport, 3, points);
-    const auto fast = exitance(body, Model::transport, 3, points, 0.01f);
-    std::vector<double> expected;
-    double mean = 0;
-    for (const Rgb& M : exact) expected.push_back(double(M.r)), mean += double(M.r) / 2000;
-    EXPECT_LT(root_mean_square(fast, expected), 0.01 * mean);  // measured 0.0028
-
     const BodyView view = body.view();
     const ExitanceField field(
         view, light_samples(view, kOneGroup),
