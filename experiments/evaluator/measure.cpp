@@ -8,8 +8,8 @@
 
 #include "common/base/errors.h"
 #include "common/base/parallel.h"
-#include "common/optics/dipole.h"
 #include "common/exitance/exitance_field.h"
+#include "common/optics/dipole.h"
 
 namespace tallow {
 namespace {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/base/stats.h"
+#include "common/exitance/lit_samples.h"
 #include "common/optics/profile.h"
 #include "common/scene/scene.h"
-#include "common/exitance/lit_samples.h"
 
 namespace tallow {
 
