@@ -12,6 +12,7 @@
 #include "common/base/parallel.h"
 #include "common/base/rng.h"
 #include "common/exitance/exitance_field.h"
+#include "common/lighting/cosine_direction.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
 #include "precompute/tint_irradiance.h"
@@ -81,9 +82,7 @@ private:
         const auto index = std::uint32_t(sample * std::size_t(options_.rays) + ray);
         const Vec2 u = sobol_2d(index, body_.object + 1);
         const Vec3 n = body_.samples.normal[sample];
-        const float phi = kTwoPi * u.y, sine = std::sqrt(u.x), cosine = std::sqrt(1 - u.x);
-        const Vec3 w = glm::normalize(
-            make_frame(n).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
+        const Vec3 w = cosine_direction(n, u);
         const float cos_i = std::min(1.0f, glm::dot(w, n));
         const auto w_refracted = refract(w, n, eta_);
         if (!w_refracted || !(cos_i > 0)) return {w, 0, {}};

@@ -7,6 +7,7 @@
 
 #include "common/base/overloaded.h"
 #include "common/base/rng.h"
+#include "common/lighting/cosine_direction.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
@@ -74,12 +75,11 @@ Rgb ReflectedLight::indirect(const ShadingPoint& point, int paths, std::uint32_t
     Rgb sum;
     for (int k = 0; k < paths; ++k) {
         const Vec2 u = directions(point.ray * std::uint32_t(paths) + std::uint32_t(k));
-        const float phi = kTwoPi * u.y, sine = std::sqrt(u.x), cosine = std::sqrt(1 - u.x);
-        const Vec3 w =
-            glm::normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
+        const Vec3 w = cosine_direction(frame, u);
         if (glm::dot(w, point.hit.n_g) <= 0) continue;
         // The cosine and the density of directions leave a pi, which the surface's 1 / pi takes.
-        const Rgb weight = base.accept(std::min(1.0f, cosine)) / float(paths) * base.factor;
+        const Rgb weight =
+            base.accept(std::min(1.0f, glm::dot(w, point.hit.n))) / float(paths) * base.factor;
         const std::size_t first = vertices.size();
         std::fill(L.begin(), L.end(), Rgb(0));
         paths_.follow({rays_.offset_origin(point.hit.position, point.hit.n_g, w), w}, receiver,

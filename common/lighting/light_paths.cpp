@@ -8,6 +8,7 @@
 
 #include "common/base/overloaded.h"
 #include "common/base/rng.h"
+#include "common/lighting/cosine_direction.h"
 #include "common/lighting/direct_light.h"
 #include "common/optics/fresnel.h"
 
@@ -26,12 +27,6 @@ void face(Hit& hit, Vec3 w_o) {
 Vec3 mirrored(const Hit& hit, Vec3 w_o) {
     const Vec3 direction = reflect(w_o, hit.n);
     return glm::normalize(glm::dot(direction, hit.n_g) > 0 ? direction : reflect(w_o, hit.n_g));
-}
-
-Vec3 cosine_direction(Vec3 n, Vec2 u) {
-    const float phi = kTwoPi * u.y, sine = std::sqrt(u.x);
-    return glm::normalize(
-        make_frame(n).to_world({sine * std::cos(phi), sine * std::sin(phi), std::sqrt(1 - u.x)}));
 }
 
 }  // namespace

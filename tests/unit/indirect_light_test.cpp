@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/base/rng.h"
+#include "common/lighting/cosine_direction.h"
 #include "common/lighting/direct_light.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
@@ -41,9 +42,7 @@ MeanAndError irradiance(const Scene& scene, const std::vector<Surface>& surfaces
     double sum = 0, squares = 0;
     for (int k = 0; k < count; ++k) {
         const Vec2 u = sobol_2d(std::uint32_t(k), 1);
-        const float phi = kTwoPi * u.y, sine = std::sqrt(u.x);
-        const Vec3 w = glm::normalize(
-            frame.to_world({sine * std::cos(phi), sine * std::sin(phi), std::sqrt(1 - u.x)}));
+        const Vec3 w = cosine_direction(frame, u);
         std::vector<Rgb> L(scene.groups.size());
         std::vector<BodyVertex> bodies;
         paths.follow({rays.offset_origin(x, n, n), w}, 0, mix_bits(std::uint64_t(k)),
@@ -73,36 +72,25 @@ TEST(IndirectLight, ClosedWhiteRoom) {
         }
 }
 
-// Two walls that reflect everything under a sky of radiance 1: whatever is missing of the sky is
-// made up for by the walls, so that the irradiance is pi as if they were not there.
+// Two walls that take no light, under a sky of radiance 1: whatever is missing of the sky is made
+// up for by the walls, so that the irradiance is pi as if they were not there. For plastic, coat
+// and base together take nothing if the base is white.
 TEST(IndirectLight, WhiteCornerUnderTheSky) {
-    Scene scene = lit_scene({EnvironmentLight{Rgb(1)}});
-    std::vector<Surface> surfaces;
-    const Material white{"white", DiffuseMaterial{Rgb(1)}};
-    add_object(scene, surfaces, white, PlaneSurface{Vec3(0), {0, 1, 0}});
-    add_object(scene, surfaces, white, PlaneSurface{Vec3(0), {1, 0, 0}});
-    const Vec3 x(1, 0, 0), n(0, 1, 0);
-    const RayScene rays(surfaces);
-    std::vector<Rgb> direct(1);
-    add_direct_light(scene, rays, {x, n, n, 1}, 1 << 14, {}, direct);
-    const auto indirect = irradiance(scene, surfaces, x, n, 64, 1 << 14);
-    EXPECT_GT(indirect.mean, 0.4);  // a quarter of the sky is hidden, near the horizon
-    EXPECT_NEAR(double(direct[0].g) + indirect.mean, std::numbers::pi, 4 * indirect.error + 2e-3);
-}
-
-// The same with plastic walls: their coat and base together take nothing if the base is white.
-TEST(IndirectLight, WhitePlasticCornerUnderTheSky) {
-    Scene scene = lit_scene({EnvironmentLight{Rgb(1)}});
-    std::vector<Surface> surfaces;
-    const Material white{"white", PlasticMaterial{Rgb(1), 1.5f}};
-    add_object(scene, surfaces, white, PlaneSurface{Vec3(0), {0, 1, 0}});
-    add_object(scene, surfaces, white, PlaneSurface{Vec3(0), {1, 0, 0}});
-    const Vec3 x(1, 0, 0), n(0, 1, 0);
-    const RayScene rays(surfaces);
-    std::vector<Rgb> direct(1);
-    add_direct_light(scene, rays, {x, n, n, 1}, 1 << 14, {}, direct);
-    const auto indirect = irradiance(scene, surfaces, x, n, 64, 1 << 15);
-    EXPECT_NEAR(double(direct[0].g) + indirect.mean, std::numbers::pi, 4 * indirect.error + 2e-3);
+    for (const Material& white : {Material{"white", DiffuseMaterial{Rgb(1)}},
+                                  Material{"white", PlasticMaterial{Rgb(1), 1.5f}}}) {
+        Scene scene = lit_scene({EnvironmentLight{Rgb(1)}});
+        std::vector<Surface> surfaces;
+        add_object(scene, surfaces, white, PlaneSurface{Vec3(0), {0, 1, 0}});
+        add_object(scene, surfaces, white, PlaneSurface{Vec3(0), {1, 0, 0}});
+        const Vec3 x(1, 0, 0), n(0, 1, 0);
+        const RayScene rays(surfaces);
+        std::vector<Rgb> direct(1);
+        add_direct_light(scene, rays, {x, n, n, 1}, 1 << 14, {}, direct);
+        const auto indirect = irradiance(scene, surfaces, x, n, 64, 1 << 15);
+        EXPECT_GT(indirect.mean, 0.4);  // a quarter of the sky is hidden, near the horizon
+        EXPECT_NEAR(double(direct[0].g) + indirect.mean, std::numbers::pi,
+                    4 * indirect.error + 2e-3);
+    }
 }
 
 // A mirror doubles a lamp that shines along it.
