@@ -155,18 +155,15 @@ std::vector<GroupIrradiance> dark(std::size_t groups, std::size_t samples) {
         groups, {std::vector<Rgb>(samples, Rgb(0)), std::vector<Vec3>(samples, Vec3(0))});
 }
 
-// Sums of directions become means.
-std::vector<GroupIrradiance> sum_of(const std::vector<GroupIrradiance>& a,
-                                    const std::vector<GroupIrradiance>& b) {
-    std::vector<GroupIrradiance> sum = a;
-    for (std::size_t g = 0; g < sum.size(); ++g)
-        parallel_for(sum[g].E_t.size(), 8192, [&](std::size_t i) {
-            Rgb& E_t = sum[g].E_t[i];
+// `a` becomes the sum of both, sums of directions become means.
+void add(std::vector<GroupIrradiance>& a, const std::vector<GroupIrradiance>& b) {
+    for (std::size_t g = 0; g < a.size(); ++g)
+        parallel_for(a[g].E_t.size(), 8192, [&](std::size_t i) {
+            Rgb& E_t = a[g].E_t[i];
             E_t += b[g].E_t[i];
-            const Vec3 w = sum[g].w_i[i] + b[g].w_i[i];
-            sum[g].w_i[i] = mean(E_t) > 0 ? w / std::max(mean(E_t), glm::length(w)) : Vec3(0);
+            const Vec3 w = a[g].w_i[i] + b[g].w_i[i];
+            a[g].w_i[i] = mean(E_t) > 0 ? w / std::max(mean(E_t), glm::length(w)) : Vec3(0);
         });
-    return sum;
 }
 
 /// What surfaces and what bodies send to the samples of one body.
@@ -229,7 +226,7 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
                                                  double(body.spacing))
                                .profiles);
         const std::size_t count = body.samples.size();
-        light.push_back({dark(scene.groups.size(), count), dark(scene.groups.size(), count)});
+        light.push_back({dark(scene.groups.size(), count), {}});
         samples += count;
     }
     const std::size_t chunk =
@@ -240,7 +237,9 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
         for (std::size_t b = 0; b < bodies.size(); ++b)
             fields[bodies[b].object] =
                 make_fields(scene, bodies[b], profiles[b], options.tolerance);
+        for (SampledBody& body : bodies) body.indirect = {};  // the fields have it
         for (std::size_t b = 0; b < bodies.size(); ++b) {
+            light[b].by_bodies = dark(scene.groups.size(), bodies[b].samples.size());
             Round paths(scene, rays, fields, options, bodies[b],
                         round == 0 ? LightPaths::Collect::everything : LightPaths::Collect::bodies,
                         light[b].by_surfaces, light[b].by_bodies);
@@ -254,7 +253,8 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
         }
         // Only now: all bodies were to see the same light.
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            bodies[b].indirect = sum_of(light[b].by_surfaces, light[b].by_bodies);
+            bodies[b].indirect = std::move(light[b].by_bodies);
+            add(bodies[b].indirect, light[b].by_surfaces);
             tint_irradiance(scene, rays, bodies[b].object, bodies[b].samples, bodies[b].indirect);
         }
     }

@@ -23,7 +23,7 @@ struct BodyView {
     std::span<const float> areas;               // [sample] mm^2
     std::span<const OctreeNode> nodes;          // depth first; empty only if there are no samples
     std::vector<GroupIrradianceView> groups;    // [group] light that came straight
-    std::vector<GroupIrradianceView> indirect;  // [group] light that was reflected; or empty
+    std::vector<GroupIrradianceView> indirect{};  // [group] light that was reflected; or empty
 };
 
 struct CacheView {
