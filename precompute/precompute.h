@@ -13,7 +13,7 @@ namespace tallow {
 
 struct PrecomputeOptions {
     SamplingWish sampling;
-    Checkpoint::Options checkpoint;
+    Checkpoint::Options checkpoint{};
     bool plan_only = false;  ///< stop when the plan is made; no file is written
 };
 

@@ -131,12 +131,12 @@ TEST(Checkpoint, DamageCostsWorkButNeverBits) {
             try {
                 Checkpoint checkpoint(file, kScene, {true, 1e6});
                 auto groups = dark();
-                if (checkpoint.restore(Stage::direct, 0, 0, 64, groups))
-                    for (std::size_t g = 0; g < 2; ++g)
-                        EXPECT_TRUE(same(groups[g], direct[g], 0, 64)) << place;
-                if (checkpoint.restore(Stage::surfaces, 3, 64, kSamples, groups))
-                    for (std::size_t g = 0; g < 2; ++g)
-                        EXPECT_TRUE(same(groups[g], surfaces[g], 64, kSamples)) << place;
+                const bool first = checkpoint.restore(Stage::direct, 0, 0, 64, groups);
+                const bool second = checkpoint.restore(Stage::surfaces, 3, 64, kSamples, groups);
+                for (std::size_t g = 0; g < 2; ++g) {
+                    EXPECT_TRUE(!first || same(groups[g], direct[g], 0, 64)) << place;
+                    EXPECT_TRUE(!second || same(groups[g], surfaces[g], 64, kSamples)) << place;
+                }
             } catch (const InputError&) {
             }
         }
