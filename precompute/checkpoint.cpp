@@ -180,7 +180,8 @@ void Checkpoint::keep(Stage stage, std::uint32_t body, std::size_t begin, std::s
     append(pending_, std::span<const RecordHeader>(&header, 1));
     pending_ += payload;
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_write_;
-    if (since.count() >= options_.seconds) write_pending();
+    if (since.count() >= options_.seconds || pending_.size() > options_.most_pending)
+        write_pending();
 }
 
 void Checkpoint::write_pending() {

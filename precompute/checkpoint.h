@@ -30,8 +30,10 @@ class Checkpoint {
 public:
     struct Options {
         bool resume = false;
-        /// Seconds of work between two writes; a run that is over before writes nothing.
+        /// Seconds of work between two writes; a short run writes nothing.
         double seconds = 5;
+        /// Bytes that wait in memory at most; chosen: a million samples of one light group.
+        std::size_t most_pending = std::size_t(1) << 25;
     };
     /// What a record is about: a stage of the work on one body.
     enum class Stage : std::uint32_t { direct = 1, surfaces = 2, bodies = 3 /* + round */ };

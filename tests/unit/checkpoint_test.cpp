@@ -34,7 +34,7 @@ const Fingerprint kScene = {{"objects", "1"}, {"sampling.light_samples", "16"}};
 std::filesystem::path interrupted_run(const std::string& name) {
     const std::filesystem::path file = test_out(name);
     std::filesystem::remove(file);
-    Checkpoint checkpoint(file, kScene, {false, 0});
+    Checkpoint checkpoint(file, kScene, {.resume = false, .seconds = 0});
     checkpoint.keep(Stage::direct, 0, 0, 64, light(1));
     checkpoint.keep(Stage::surfaces, 3, 64, kSamples, light(2));
     return file;
@@ -48,7 +48,7 @@ bool same(const GroupIrradiance& a, const GroupIrradiance& b, std::size_t begin,
 
 TEST(Checkpoint, RestoresWhatWasKept) {
     const auto file = interrupted_run("restores.part");
-    Checkpoint checkpoint(file, kScene, {true, 0});
+    Checkpoint checkpoint(file, kScene, {.resume = true, .seconds = 0});
     auto groups = dark();
     EXPECT_FALSE(checkpoint.restore(Stage::direct, 1, 0, 64, groups));
     EXPECT_FALSE(checkpoint.restore(Stage::direct, 0, 0, 32, groups));
@@ -65,10 +65,10 @@ TEST(Checkpoint, RestoresWhatWasKept) {
 TEST(Checkpoint, GoesOnInTheSameFile) {
     const auto file = interrupted_run("goes_on.part");
     {
-        Checkpoint second(file, kScene, {true, 0});
+        Checkpoint second(file, kScene, {.resume = true, .seconds = 0});
         second.keep(Stage::bodies, 0, 0, 64, light(3));  // nothing restored yet, and killed again
     }
-    Checkpoint third(file, kScene, {true, 0});
+    Checkpoint third(file, kScene, {.resume = true, .seconds = 0});
     auto groups = dark();
     EXPECT_TRUE(third.restore(Stage::direct, 0, 0, 64, groups));
     EXPECT_TRUE(third.restore(Stage::surfaces, 3, 64, kSamples, groups));
@@ -77,14 +77,14 @@ TEST(Checkpoint, GoesOnInTheSameFile) {
 
 TEST(Checkpoint, FinishRemovesTheFile) {
     const auto file = interrupted_run("finished.part");
-    Checkpoint(file, kScene, {true, 0}).finish();
+    Checkpoint(file, kScene, {.resume = true, .seconds = 0}).finish();
     EXPECT_FALSE(std::filesystem::exists(file));
 }
 
 TEST(Checkpoint, ShortRunsDoNotTouchTheDisk) {
     const auto file = test_out("short.part");
     std::filesystem::remove(file);
-    Checkpoint checkpoint(file, kScene, {false, 1e6});
+    Checkpoint checkpoint(file, kScene, {.resume = false, .seconds = 1e6});
     checkpoint.keep(Stage::direct, 0, 0, 64, light(1));
     EXPECT_FALSE(std::filesystem::exists(file));
     checkpoint.finish();
@@ -93,7 +93,7 @@ TEST(Checkpoint, ShortRunsDoNotTouchTheDisk) {
 
 std::string resume_error(const std::filesystem::path& file, const Fingerprint& scene) {
     try {
-        Checkpoint checkpoint(file, scene, {true, 0});
+        Checkpoint checkpoint(file, scene, {.resume = true, .seconds = 0});
         return "ok";
     } catch (const InputError& error) {
         return std::string(error.what()).substr(file.string().size());
@@ -129,7 +129,7 @@ TEST(Checkpoint, DamageCostsWorkButNeverBits) {
                 bytes[place] = char(bytes[place] ^ 0x10);
             write_bytes(file, bytes);
             try {
-                Checkpoint checkpoint(file, kScene, {true, 1e6});
+                Checkpoint checkpoint(file, kScene, {.resume = true, .seconds = 1e6});
                 auto groups = dark();
                 const bool first = checkpoint.restore(Stage::direct, 0, 0, 64, groups);
                 const bool second = checkpoint.restore(Stage::surfaces, 3, 64, kSamples, groups);

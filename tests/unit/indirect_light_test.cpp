@@ -143,7 +143,7 @@ TEST(IndirectLight, OneBodyShinesOnAnother) {
                                        sampled(scene, surfaces, rays, 1, 0.25f)};
     const std::vector<SampledBody> before = bodies;
     Progress progress(true);
-    Checkpoint checkpoint("unused.part", {}, {false, 1e9});
+    Checkpoint checkpoint("unused.part", {}, {.resume = false, .seconds = 1e9});
     gather_indirect(scene, rays, bodies, {1, 64, 1e-3f}, checkpoint, progress);
     checkpoint.finish();
 
