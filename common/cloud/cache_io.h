@@ -18,11 +18,11 @@ struct BodyView {
     std::uint32_t object;
     float spacing_mm;
     double area_mm2;
-    std::span<const Vec3> positions;            // [sample] mm
-    std::span<const Vec3> normals;              // [sample]
-    std::span<const float> areas;               // [sample] mm^2
-    std::span<const OctreeNode> nodes;          // depth first; empty only if there are no samples
-    std::vector<GroupIrradianceView> groups;    // [group] light that came straight
+    std::span<const Vec3> positions;              // [sample] mm
+    std::span<const Vec3> normals;                // [sample]
+    std::span<const float> areas;                 // [sample] mm^2
+    std::span<const OctreeNode> nodes;            // depth first; empty only if there are no samples
+    std::vector<GroupIrradianceView> groups;      // [group] light that came straight
     std::vector<GroupIrradianceView> indirect{};  // [group] light that was reflected; or empty
 };
 
