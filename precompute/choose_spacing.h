@@ -48,6 +48,6 @@ std::vector<BodySpacing> choose_spacings(const Scene& scene, const SceneGeometry
                                          const SamplingWish& wish);
 
 /// Memory that pass one takes at most for such samples, bytes.
-double memory_of_samples(double samples, std::size_t groups);
+double memory_of_samples(double samples, std::size_t groups, bool indirect);
 
 }  // namespace tallow
