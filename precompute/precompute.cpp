@@ -146,7 +146,8 @@ void add_numbers(Plan& plan, const Scene& scene, const std::vector<BodySpacing>&
         double(scene.lights.size()) * scene.settings.light_samples.value_or(kLikelyLightRays);
     const double paths = double(indirect_bounces(scene)) * indirect_rays(scene.settings);
     plan.numbers["samples"] = samples;
-    plan.numbers["memory, bytes"] = memory_of_samples(samples, scene.groups.size());
+    plan.numbers["memory, bytes"] =
+        memory_of_samples(samples, scene.groups.size(), indirect_bounces(scene) > 0);
     plan.numbers["predicted seconds"] =
         samples * (kSecondsPerSample + light_rays * kSecondsPerLightRay + paths * kSecondsPerPath) /
         allowed_threads();
