@@ -7,6 +7,7 @@
 
 #include "common/base/parallel.h"
 #include "common/exitance/smoothed_profile.h"
+#include "common/optics/single_scattering.h"
 
 namespace tallow {
 namespace {
@@ -58,7 +59,39 @@ Treatment treat(const Profile& profile, double mean_free_path, double spacing) {
     return {{sigma, t}, used * parts.beta, used * parts.kappa};
 }
 
+/// (1 - weight) a + weight b.
+class BlendedProfile : public Profile {
+public:
+    BlendedProfile(std::unique_ptr<Profile> a, std::unique_ptr<Profile> b, double weight)
+        : a_(std::move(a)), b_(std::move(b)), weight_(weight) {}
+    double operator()(double r2) const override {
+        return (1 - weight_) * (*a_)(r2) + weight_ * (*b_)(r2);
+    }
+    double total_reflectance() const override {
+        return (1 - weight_) * a_->total_reflectance() + weight_ * b_->total_reflectance();
+    }
+
+private:
+    std::unique_ptr<Profile> a_, b_;
+    double weight_;
+};
+
 }  // namespace
+
+std::unique_ptr<Profile> make_exitance_profile(Model model, const Medium& medium, int channel,
+                                               Orders orders) {
+    auto profile = make_profile(model, medium, channel, orders);
+    if (model != Model::transport || orders == Orders::all || medium.g <= 0) return profile;
+    const double eta = double(medium.eta);
+    const double reduced =
+        single_scattering_reflectance(double(medium.alpha_prime()[channel]), eta);
+    if (reduced == 0) return profile;
+    const double s = std::min(1.0, single_scattering_reflectance(double(medium.albedo()[channel]),
+                                                                 eta, double(medium.g)) /
+                                       reduced);
+    return std::make_unique<BlendedProfile>(make_profile(model, medium, channel, Orders::all),
+                                            std::move(profile), s);
+}
 
 ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders orders,
                                       double spacing_mm) {
@@ -67,7 +100,7 @@ ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders 
     std::array<double, 3> scales{}, beta{}, kappa{};
     std::array<bool, 3> smoothed{};
     parallel_for(3, 1, [&](std::size_t c) {
-        profiles[c] = make_profile(model, medium, int(c), orders);
+        profiles[c] = make_exitance_profile(model, medium, int(c), orders);
         scales[c] = scale[int(c)];
         const Treatment treatment = treat(*profiles[c], scales[c], spacing_mm);
         beta[c] = treatment.beta, kappa[c] = treatment.kappa;

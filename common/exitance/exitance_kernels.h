@@ -24,6 +24,17 @@ struct ExitanceKernels {
     bool needs_irradiance() const { return beta != std::array<double, 3>{}; }
 };
 
+/// The profile that multiple scattering is summed with. `transport` tells orders apart in the
+/// reduced medium, where one isotropic scattering stands for many forward ones: with g > 0 its
+/// first order is more than single scattering adds, and the rest of it has to stay in the profile.
+///
+///     R = R_{>= 2} + (1 - s) R_1,   s = (what is scattered once by the medium itself)
+///                                       / (by the reduced medium), at right angles, at most 1
+///
+/// Other models, and Orders::all, are as make_profile() has them.
+std::unique_ptr<Profile> make_exitance_profile(Model model, const Medium& medium, int channel,
+                                               Orders orders);
+
 /// Kernels for samples `spacing_mm` apart.
 ExitanceKernels make_exitance_kernels(Model model, const Medium& medium, Orders orders,
                                       double spacing_mm);

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "common/exitance/exitance_kernels.h"
+
 namespace tallow {
 namespace {
 
@@ -46,7 +48,8 @@ Rgb indirect_gain(const SubsurfaceMaterial& material) {
     Rgb gain;
     for (int c = 0; c < 3; ++c) {
         const auto total = [&](Orders orders) {
-            return make_profile(material.model, material.medium, c, orders)->total_reflectance();
+            return make_exitance_profile(material.model, material.medium, c, orders)
+                ->total_reflectance();
         };
         const double held = total(Orders::two_and_more);
         gain[c] = held > 0 ? float(total(Orders::all) / held) : 1.0f;

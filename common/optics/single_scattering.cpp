@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/optics/fresnel.h"
+#include "common/optics/phase.h"
 
 namespace tallow {
 namespace {
@@ -24,10 +25,12 @@ double transmittance(double eta, double mu) { return 1 - fresnel_reflectance(1 /
 
 }  // namespace
 
-double single_scattering_reflectance(double alpha, double eta) {
+double single_scattering_reflectance(double alpha, double eta, double g) {
     const double integral = integrate_to_critical(critical_angle(eta), [&](double theta) {
         const double mu = std::cos(theta);
-        return transmittance(eta, mu) * mu / (1 + mu) * std::sin(theta);
+        const double phase =
+            g == 0 ? 1.0 : 4 * std::numbers::pi * double(henyey_greenstein(float(g), float(-mu)));
+        return phase * transmittance(eta, mu) * mu / (1 + mu) * std::sin(theta);
     });
     return alpha / 2 * integral;
 }

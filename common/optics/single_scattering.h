@@ -4,13 +4,15 @@
 namespace tallow {
 
 /// Part of the light that enters a half-space at right angles and leaves it after exactly one
-/// collision, by isotropic scattering and Fresnel transmittance T at the exit.
+/// collision, by Henyey-Greenstein scattering of mean cosine g and Fresnel transmittance T at the
+/// exit. For g = 0:
 ///
 ///     alpha integral over t of e^-t, over mu of T(mu) e^(-t / mu) / 2
 ///         = alpha / 2 * integral of T(mu) mu / (1 + mu) over [0, 1]
 ///
-/// (1 - ln 2) / 2 for matched indices. What the surface reflects inwards belongs to higher orders.
-double single_scattering_reflectance(double alpha, double eta);
+/// (1 - ln 2) / 2 for matched indices. Otherwise the integrand is multiplied with 4 pi p(-mu).
+/// What the surface reflects inwards belongs to higher orders.
+double single_scattering_reflectance(double alpha, double eta, double g = 0);
 
 /// The same as a function of the distance r between entry and exit, in mean free paths.
 ///

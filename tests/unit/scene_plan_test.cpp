@@ -6,7 +6,10 @@
 
 #include <numbers>
 
+#include "common/exitance/exitance_kernels.h"
 #include "common/optics/fresnel.h"
+#include "common/optics/phase.h"
+#include "common/optics/single_scattering.h"
 #include "tests/support/half_space.h"
 #include "tests/support/scenes.h"
 
@@ -118,6 +121,26 @@ TEST(ScenePlan, ForwardPeaksLeaveSingleScatteringOut) {
     thin.geometry.surfaces[0] = SphereSurface{{glm::mat3(0.1f), Vec3(0)}};
     EXPECT_EQ(std::get<SubsurfaceMaterial>(thin.plan().scene.materials[0].kind).single_scattering,
               Switch::on);
+}
+
+// Profile and single scattering add up to all orders, however forward the scattering: what the
+// medium scatters once at right angles, and what the profile holds beside it.
+TEST(ExitanceProfile, KeepsTheEnergyOfForwardMedia) {
+    for (const float g : {0.0f, 0.5f, 0.9f, 0.98f}) {
+        const Medium medium{Rgb(0.01f), Rgb(2), g, 1.5f};
+        const double all =
+            make_profile(Model::transport, medium, 0, Orders::all)->total_reflectance();
+        const double beside =
+            make_exitance_profile(Model::transport, medium, 0, Orders::two_and_more)
+                ->total_reflectance();
+        const double once =
+            single_scattering_reflectance(double(medium.albedo().r), 1.5, double(g));
+        // The table of the transport model is good to 0.06 %; measured 4e-4.
+        EXPECT_NEAR(beside + once, all, 1e-3) << g;
+        EXPECT_NEAR(once / single_scattering_reflectance(double(medium.albedo().r), 1.5),
+                    4 * std::numbers::pi * double(henyey_greenstein(g, -0.87f)), 0.05)
+            << g;  // about that of the mean exit angle
+    }
 }
 
 // The bound holds for every pair of directions, against the closed form of a half-space.
