@@ -139,16 +139,16 @@ void add_numbers(Plan& plan, const Scene& scene, const std::vector<BodySpacing>&
     double samples = 0;
     for (const BodySpacing& body : spacings) {
         samples += body.expected;
-        plan.numbers[fmt::format("objects[{}] spacing, mm", body.object)] = double(body.spacing);
-        plan.numbers[fmt::format("objects[{}] samples", body.object)] = body.expected;
+        plan.numbers[fmt::format("objects[{}].spacing_mm", body.object)] = double(body.spacing);
+        plan.numbers[fmt::format("objects[{}].samples", body.object)] = body.expected;
     }
     const double light_rays =
         double(scene.lights.size()) * scene.settings.light_samples.value_or(kLikelyLightRays);
     const double paths = double(indirect_bounces(scene)) * indirect_rays(scene.settings);
     plan.numbers["samples"] = samples;
-    plan.numbers["memory, bytes"] =
+    plan.numbers["memory_bytes"] =
         memory_of_samples(samples, scene.groups.size(), indirect_bounces(scene) > 0);
-    plan.numbers["predicted seconds"] =
+    plan.numbers["predicted_seconds"] =
         samples * (kSecondsPerSample + light_rays * kSecondsPerLightRay + paths * kSecondsPerPath) /
         allowed_threads();
 }
@@ -182,7 +182,9 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
                 const std::filesystem::path& cache_file, Progress& progress, Stats& stats) {
     const SceneGeometry geometry = load_geometry(scene, stats);
     for (const std::string& report : geometry.repair_reports) progress.note(report);
-    const Fingerprint of_scene = scene_fingerprint(scene, geometry);
+    Fingerprint of_scene = scene_fingerprint(scene, geometry);
+    // Numbers of rays follow from the tolerance, and light of two kinds must not mix.
+    of_scene.emplace_back("sampling.tolerance", fmt::format("{}", scene.settings.tolerance));
     const EarlierCache earlier(cache_file, of_scene);
 
     PhaseTimer plan_timer(stats, "plan");

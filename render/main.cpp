@@ -181,10 +181,11 @@ std::optional<MappedCache> open_cache(const Arguments& a, const ScenePlan& plann
     for (const std::uint32_t object : needed)
         if (std::ranges::find(cache.view().bodies, object, &BodyView::object) ==
             cache.view().bodies.end())
-            throw InputError(fmt::format(
-                "{}: has no samples of objects[{}]: the cameras that it was made for did not need "
-                "them; re-run tallow-precompute with this scene",
-                a.cache->string(), object));
+            throw InputError(
+                fmt::format("{}: has no samples of objects[{}]: the cameras and the tolerance that "
+                            "it was made for "
+                            "did not need them; re-run tallow-precompute with these",
+                            a.cache->string(), object));
     return cache;
 }
 
