@@ -32,10 +32,9 @@ constexpr double kBytesPerFragment = 64;
 constexpr double kCloseEnough = 0.02, kPromised = 0.05;
 
 float surface_extent(const Surface& surface) {
-    if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
-        Vec3 low(kInfinity), high(-kInfinity);
-        for (Vec3 v : mesh->vertices) low = glm::min(low, v), high = glm::max(high, v);
-        return glm::length(high - low);
+    if (std::holds_alternative<TriangleMesh>(surface)) {
+        const Box box = bounding_box(surface);
+        return glm::length(box.high - box.low);
     }
     if (const auto* sphere = std::get_if<SphereSurface>(&surface)) {
         float extent = 0;

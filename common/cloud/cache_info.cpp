@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "common/base/output_file.h"
+#include "common/geometry/surface.h"
 #include "common/image/png_io.h"
 
 namespace tallow {
@@ -18,15 +19,10 @@ namespace {
 
 using Text = std::back_insert_iterator<std::string>;
 
-struct Box {
-    Vec3 low{kInfinity}, high{-kInfinity};
-};
-
 Box bounding_box(std::span<const Vec3> positions) {
     Box box;
     for (const Vec3& p : positions) {
-        box.low = glm::min(box.low, p);
-        box.high = glm::max(box.high, p);
+        box.add(p);
     }
     return box;
 }

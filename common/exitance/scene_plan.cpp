@@ -9,7 +9,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/base/overloaded.h"
 #include "common/exitance/diffuse_limit.h"
 #include "common/optics/fresnel.h"
 #include "common/optics/phase.h"
@@ -20,37 +19,6 @@ namespace {
 // A term may take this part of the tolerance when it is left out: sampling, hierarchy and noise
 // have theirs.
 constexpr double kShareOfTolerance = 1.0 / 3;
-
-struct Box {
-    Vec3 low{kInfinity}, high{-kInfinity};
-
-    void add(Vec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
-};
-
-Box box_of(const Surface& surface) {
-    Box box;
-    const auto add_ball = [&](const Affine& to_world) {
-        Vec3 half;
-        for (int i = 0; i < 3; ++i)
-            half[i] = glm::length(
-                Vec3(to_world.linear[0][i], to_world.linear[1][i], to_world.linear[2][i]));
-        box.add(to_world.translation - half);
-        box.add(to_world.translation + half);
-    };
-    std::visit(Overloaded{
-                   [&](const TriangleMesh& mesh) {
-                       for (const Vec3 v : mesh.vertices) box.add(v);
-                   },
-                   [&](const SphereSurface& sphere) { add_ball(sphere.to_world); },
-                   [&](const DiscSurface& disc) { add_ball(disc.to_world); },
-                   [&](const PlaneSurface& plane) {
-                       box.add(plane.point - Vec3(plane.radius));
-                       box.add(plane.point + Vec3(plane.radius));
-                   },
-               },
-               surface);
-    return box;
-}
 
 // Side of the smallest pixel on anything inside the box, mm: that of its nearest point.
 float smallest_footprint(const Camera& camera, const Box& box) {
@@ -121,7 +89,7 @@ private:
     void plan_body(std::size_t object) {
         const SubsurfaceMaterial& material = *subsurface(scene(), object);
         const std::string name = fmt::format("objects[{}]", object);
-        const Box box = box_of(geometry_.surfaces[object]);
+        const Box box = bounding_box(geometry_.surfaces[object]);
         if (!everything() && is_unseen(object, box)) {
             result_.treatment[object] = Treatment::unseen;
             decide(name, "samples", false, "not sampled",
@@ -202,7 +170,7 @@ private:
         double share = 0;
         for (std::size_t object = 0; object < scene().objects.size(); ++object) {
             if (subsurface(scene(), object) != &material) continue;
-            const Box box = box_of(geometry_.surfaces[object]);
+            const Box box = bounding_box(geometry_.surfaces[object]);
             const Vec3 size = box.high - box.low;
             const float thickness = std::min({size.x, size.y, size.z});
             share = std::max(share, 4 / (double(min_channel(material.medium.sigma_t())) *

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ray queries on all surfaces of a scene. Meshes are Embree triangles; spheres and discs are Embree
-// user geometries solved in double in their own unit space; unbounded planes, which no bounding box
+// user geometries (unit_shape.h); unbounded planes, which no bounding box
 // can hold, are tested beside the tree. An object's index is its Embree geometry ID.
 #include "common/geometry/ray_scene.h"
 
@@ -14,85 +14,14 @@
 
 #include "common/base/check.h"
 #include "common/base/parallel.h"
+#include "common/geometry/unit_shape.h"
 
 namespace tallow {
 namespace {
 
-/// A sphere or disc, ready to be met by rays in the space where it has radius 1.
-struct UnitShape {
-    enum class Kind { sphere, disc } kind;
-    Affine to_world;
-    glm::dmat3 to_object_linear;
-    DVec3 to_object_translation;
-};
-
-UnitShape make_unit_shape(UnitShape::Kind kind, const Affine& to_world) {
-    const glm::dmat3 inverse = glm::inverse(glm::dmat3(to_world.linear));
-    return {kind, to_world, inverse, -(inverse * DVec3(to_world.translation))};
-}
-
-// Parameters t of the two crossings of the unit sphere, or the crossing of the unit disc twice;
-// nothing if the ray misses. Object space; t counts in world lengths because the direction is the
-// transformed world direction, not renormalised.
-struct Crossings {
-    bool any = false;
-    double t[2];
-};
-
-Crossings cross(const UnitShape& shape, DVec3 origin, DVec3 direction) {
-    const DVec3 o = shape.to_object_linear * origin + shape.to_object_translation;
-    const DVec3 d = shape.to_object_linear * direction;
-    if (shape.kind == UnitShape::Kind::disc) {
-        if (d.z == 0) return {};
-        const double t = -o.z / d.z;
-        const double x = o.x + t * d.x, y = o.y + t * d.y;
-        return {x * x + y * y <= 1, {t, t}};
-    }
-    // Distance of the centre to the line first: no cancellation for far and small spheres.
-    const double dd = glm::dot(d, d);
-    const double t_middle = -glm::dot(o, d) / dd;
-    const DVec3 nearest = o + t_middle * d;
-    const double h2 = 1 - glm::dot(nearest, nearest);
-    if (h2 < 0) return {};
-    const double half = std::sqrt(h2 / dd);
-    return {true, {t_middle - half, t_middle + half}};
-}
-
-// Of the unit sphere or disc, in its own space.
-DVec3 surface_point(const UnitShape& shape, DVec3 origin, DVec3 direction, double t) {
-    const DVec3 p = shape.to_object_linear * (origin + t * direction) + shape.to_object_translation;
-    return shape.kind == UnitShape::Kind::sphere ? glm::normalize(p) : DVec3(p.x, p.y, 0);
-}
-
-Vec3 to_world(const UnitShape& shape, DVec3 p) {
-    return Vec3(glm::dmat3(shape.to_world.linear) * p + DVec3(shape.to_world.translation));
-}
-
-Vec3 surface_normal(const UnitShape& shape, Vec3 position) {
-    if (shape.kind == UnitShape::Kind::disc) return shape.to_world.normal(Vec3(0, 0, 1));
-    const DVec3 p = shape.to_object_linear * DVec3(position) + shape.to_object_translation;
-    return shape.to_world.normal(Vec3(glm::normalize(p)));
-}
-
-// First crossing in (near, far], or a negative number.
-double first_crossing(const Crossings& crossings, double near, double far) {
-    if (crossings.any)
-        for (double t : crossings.t)
-            if (t > near && t <= far) return t;
-    return -1;
-}
-
 void bounds(const RTCBoundsFunctionArguments* args) {
-    const auto& shape = *static_cast<const UnitShape*>(args->geometryUserPtr);
-    Vec3 half;  // of the box around the image of the unit ball: row norms
-    for (int i = 0; i < 3; ++i)
-        half[i] = glm::length(
-            Vec3(shape.to_world.linear[0][i], shape.to_world.linear[1][i],
-                 shape.kind == UnitShape::Kind::disc ? 0.0f : shape.to_world.linear[2][i]));
-    const Vec3 pad = 1e-5f * (half + glm::abs(shape.to_world.translation)) + Vec3(1e-30f);
-    const Vec3 low = shape.to_world.translation - half - pad;
-    const Vec3 high = shape.to_world.translation + half + pad;
-    *args->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
+    const Box box = bounding_box(*static_cast<const UnitShape*>(args->geometryUserPtr));
+    *args->bounds_o = {box.low.x, box.low.y, box.low.z, 0, box.high.x, box.high.y, box.high.z, 0};
 }
 
 double lane_crossing(const UnitShape& shape, RTCRayN* ray, unsigned n, unsigned lane) {

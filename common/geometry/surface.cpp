@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "common/base/overloaded.h"
+
 namespace tallow {
 
 Affine compose(const Affine& outer, const Affine& inner) {
@@ -65,6 +67,35 @@ Vec2 plane_uv(const PlaneSurface& plane, DVec3 x) {
     const Frame frame = make_frame(plane.normal);
     const DVec3 way = x - DVec3(plane.point);
     return Vec2(glm::dot(way, DVec3(frame.s)), glm::dot(way, DVec3(frame.t)));
+}
+
+Box bounding_box(const Surface& surface) {
+    Box box;
+    // Around the image of a unit ball or disc: its half sizes are norms of rows.
+    const auto add_image = [&](const Affine& to_world, int columns) {
+        Vec3 half;
+        for (int i = 0; i < 3; ++i) {
+            float square = 0;
+            for (int k = 0; k < columns; ++k)
+                square += to_world.linear[k][i] * to_world.linear[k][i];
+            half[i] = std::sqrt(square);
+        }
+        box.add(to_world.translation - half);
+        box.add(to_world.translation + half);
+    };
+    std::visit(Overloaded{
+                   [&](const TriangleMesh& mesh) {
+                       for (const Vec3 v : mesh.vertices) box.add(v);
+                   },
+                   [&](const SphereSurface& sphere) { add_image(sphere.to_world, 3); },
+                   [&](const DiscSurface& disc) { add_image(disc.to_world, 2); },
+                   [&](const PlaneSurface& plane) {
+                       box.add(plane.point - Vec3(plane.radius));
+                       box.add(plane.point + Vec3(plane.radius));
+                   },
+               },
+               surface);
+    return box;
 }
 
 }  // namespace tallow

@@ -55,6 +55,17 @@ Vec2 disc_uv(DVec3 p);
 /// floor, x and y for a wall that faces +z.
 Vec2 plane_uv(const PlaneSurface& plane, DVec3 x);
 
+/// The smallest axis-parallel box around something; inside out while it holds nothing.
+struct Box {
+    Vec3 low{kInfinity}, high{-kInfinity};
+
+    void add(Vec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
+};
+
+/// Box around a surface, mm. Of a half-space's opening that of a ball around it; infinite for an
+/// unbounded plane.
+Box bounding_box(const Surface& surface);
+
 /// The cube [-1/2, 1/2]^3 under `to_world`, twelve triangles, flat. Each face has uvs from 0 to 1,
 /// a picture upright on the sides; its upper border lies at -z on the top, at +z on the bottom.
 TriangleMesh cube_mesh(const Affine& to_world);
