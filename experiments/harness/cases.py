@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The standard cases: a figure of experiments/cases in a medium of media.yaml."""
+import dataclasses
+import json
+import pathlib
+
+from .suite import InputError, read_yaml
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CASES = ROOT / "experiments" / "cases"
+REFERENCES = ROOT / "experiments" / "references"
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """A scene file and what makes its body of the medium."""
+    figure: str
+    medium: str
+
+    @property
+    def name(self):
+        return f"{self.figure}-{self.medium}"
+
+    @property
+    def scene(self):
+        return CASES / f"{self.figure}.yaml"
+
+    @property
+    def reference(self):
+        """Volumetric truth; it may not exist."""
+        return REFERENCES / f"{self.name}.exr"
+
+    def material(self, **changes):
+        """The body's material as a flow mapping, some keys replaced: model="dipole"."""
+        return json.dumps({**read_yaml(CASES / "media.yaml")[self.medium], **changes})
+
+    def flags(self, **changes):
+        """What turns the figure's scene into this case."""
+        return ["--set", f"materials.body={self.material(**changes)}"]
+
+    def needs_fetched_mesh(self):
+        return "data/fetched/" in self.scene.read_text(encoding="utf-8")
+
+
+def case_named(name):
+    """FIGURE-MEDIUM. Throws InputError for one that is not there."""
+    figure, _, medium = name.partition("-")
+    case = Case(figure, medium)
+    if not case.scene.exists():
+        raise InputError(f"{name}: no figure {case.scene}")
+    media = read_yaml(CASES / "media.yaml")
+    if medium not in media:
+        raise InputError(f"{name}: expected a medium of {', '.join(media)}, got '{medium}'")
+    return case

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images in linear radiance, read from EXR: an array a layer."""
+import numpy
+import OpenEXR
+
+from .suite import InputError
+
+
+class LayeredImage:
+    """Layers by name ("" is the picture itself, "multiple", "single" ...): float32, (h, w, 3).
+
+    One-channel layers are (h, w); `coverage` is the channel A, or ones.
+    """
+
+    def __init__(self, layers, coverage, header):
+        self.layers, self.coverage, self.header = layers, coverage, header
+
+    def __getitem__(self, name):
+        return self.layers[name]
+
+    def __contains__(self, name):
+        return name in self.layers
+
+
+def read_image(path):
+    """All layers of an EXR file. Throws InputError for a file that is none."""
+    try:
+        file = OpenEXR.File(str(path), separate_channels=True)
+    except Exception as error:  # the library raises what it likes
+        raise InputError(f"{path}: not a readable EXR file: {error}") from None
+    channels = {name: numpy.array(channel.pixels, dtype=numpy.float32)
+                for name, channel in file.channels().items()}
+    layers = {}
+    for name, pixels in channels.items():
+        layer, _, component = name.rpartition(".")
+        if component in ("R", "X"):
+            rest = {"R": "GB", "X": "YZ"}[component]
+            wanted = [f"{layer}.{c}" if layer else c for c in component + rest]
+            if all(w in channels for w in wanted):
+                layers[layer] = numpy.stack([channels[w] for w in wanted], axis=-1)
+        elif component not in "GBYZA" or not component:
+            layers[name] = pixels
+    coverage = channels.get("A", numpy.ones(next(iter(channels.values())).shape, numpy.float32))
+    return LayeredImage(layers, coverage, dict(file.header()))

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs a suite of experiments and writes its report.
+
+    experiments/run.py SUITE [--output DIR] [--only KIND ...] [--fresh]
+
+SUITE is a name in experiments/suites or a YAML file. Writes into experiments/out/SUITE:
+report.html (self-contained), results.csv, the plots as PNG, and journal.jsonl, from which an
+interrupted suite goes on. `./run experiment SUITE` builds the programs and installs what this
+needs first.
+"""
+import argparse
+import dataclasses
+import importlib
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "experiments"))
+
+from harness import report  # noqa: E402
+from harness.bench import Bench  # noqa: E402
+from harness.points import write_csv  # noqa: E402
+from harness.programs import ProgramFailed  # noqa: E402
+from harness.suite import InputError, Mapping, checked, read_suite  # noqa: E402
+
+KINDS = ["hierarchy", "sampling", "model", "total", "scaling", "reuse", "single"]
+
+
+@dataclasses.dataclass
+class Experiment:
+    module: object    # harness.kinds.KIND
+    settings: object  # its Settings
+
+
+def experiments_of(suite, only):
+    """The suite's experiments with their settings checked, before any of them runs."""
+    result = []
+    for mapping in suite.experiments:
+        kind = mapping["kind"]
+        if kind not in KINDS:
+            raise InputError(f"{mapping.where('kind')}: kind: expected one of {', '.join(KINDS)}, "
+                             f"got '{kind}'")
+        if only and kind not in only:
+            continue
+        module = importlib.import_module(f"harness.kinds.{kind}")
+        rest = Mapping(mapping.file, mapping.line, mapping.column)
+        rest.places = mapping.places
+        rest.update((key, value) for key, value in mapping.items() if key != "kind")
+        result.append(Experiment(module, checked(module.Settings, rest)))
+    return result
+
+
+def suite_file(name):
+    path = pathlib.Path(name)
+    return path if path.suffix == ".yaml" else ROOT / "experiments/suites" / f"{name}.yaml"
+
+
+def run_suite(path, output, only, fresh):
+    suite = read_suite(path)
+    experiments = experiments_of(suite, only)
+    output = output or ROOT / "experiments/out" / path.stem
+    if fresh:
+        (output / "journal.jsonl").unlink(missing_ok=True)
+    bench = Bench(output, suite.repeat, say=lambda words: print(words, file=sys.stderr))
+    for experiment in experiments:
+        experiment.module.measure(experiment.settings, bench)
+    write_csv(bench.points, output / "results.csv")
+    sections = [e.module.section(e.settings, bench) for e in experiments]
+    report.write(suite, sections, bench, f"./run experiment {path.stem}")
+    print(output / "report.html")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("suite")
+    parser.add_argument("--output", type=pathlib.Path)
+    parser.add_argument("--only", nargs="+", choices=KINDS)
+    parser.add_argument("--fresh", action="store_true", help="measure everything again")
+    arguments = parser.parse_args()
+    try:
+        run_suite(suite_file(arguments.suite), arguments.output, arguments.only, arguments.fresh)
+    except InputError as error:
+        print(f"run.py: error: {error}", file=sys.stderr)
+        return 3
+    except ProgramFailed as error:
+        print(f"run.py: error: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("run.py: interrupted; the same command goes on from here", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
