@@ -119,12 +119,13 @@ def _plot(plot, folder, origin):
     with rc_context(plots.LOOK):
         plot.figure.savefig(folder / png, dpi=150)
         plot.figure.savefig(drawing, format="svg", metadata={"Date": None})
-    measured = f"<br>a point: <code>{html.escape(plot.command)}</code>" if plot.command else ""
+    measured = (f"<details><summary>command of a point</summary>"
+                f"<code>{html.escape(plot.command)}</code></details>" if plot.command else "")
     return (f'<figure class="plot" id="{html.escape(plot.name)}">\n'
             f'<img alt="{html.escape(plot.caption)}" '
             f'src="{_data_uri("image/svg+xml", drawing.getvalue())}">\n'
             f'<figcaption>{html.escape(plot.caption)} (<a href="{html.escape(png)}">PNG</a>)'
-            f'<small class="origin">{origin}{measured}</small></figcaption>\n</figure>')
+            f'<div class="origin">{origin}{measured}</div></figcaption>\n</figure>')
 
 
 def _pictures(row):
