@@ -21,15 +21,29 @@ class LayeredImage:
     def __contains__(self, name):
         return name in self.layers
 
+    @property
+    def size(self):
+        """Width and height."""
+        return self.coverage.shape[::-1]
+
 
 def read_image(path):
     """All layers of an EXR file. Throws InputError for a file that is none."""
     try:
-        file = OpenEXR.File(str(path), separate_channels=True)
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: numpy.array(channel.pixels, dtype=numpy.float32)
+                        for name, channel in file.channels().items()}
+            header = dict(file.header())
     except Exception as error:  # the library raises what it likes
         raise InputError(f"{path}: not a readable EXR file: {error}") from None
-    channels = {name: numpy.array(channel.pixels, dtype=numpy.float32)
-                for name, channel in file.channels().items()}
+    if not channels:
+        raise InputError(f"{path}: no channels")
+    coverage = channels.get("A", numpy.ones(next(iter(channels.values())).shape, numpy.float32))
+    return LayeredImage(_layers(channels), coverage, header)
+
+
+def _layers(channels):
+    """Channels grouped by layer: R, G, B or X, Y, Z to one array, single ones alone."""
     layers = {}
     for name, pixels in channels.items():
         layer, _, component = name.rpartition(".")
@@ -38,7 +52,6 @@ def read_image(path):
             wanted = [f"{layer}.{c}" if layer else c for c in component + rest]
             if all(w in channels for w in wanted):
                 layers[layer] = numpy.stack([channels[w] for w in wanted], axis=-1)
-        elif component not in "GBYZA" or not component:
+        elif component not in ("G", "B", "Y", "Z", "A"):
             layers[name] = pixels
-    coverage = channels.get("A", numpy.ones(next(iter(channels.values())).shape, numpy.float32))
-    return LayeredImage(layers, coverage, dict(file.header()))
+    return layers
