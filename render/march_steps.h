@@ -2,6 +2,8 @@
 #pragma once
 
 #include "common/optics/profile.h"
+#include "common/scene/scene.h"
+#include "render/single_scatter.h"
 
 namespace tallow {
 
@@ -38,5 +40,10 @@ double single_scattering_share(Model model, const Medium& medium);
 ///          Under the sky noise is 1.5 times that of the fit: half of its directions cross the
 ///          body.
 int march_steps_of_pixel(Model model, const Medium& medium, double tolerance);
+
+/// Depths of a camera ray and of a pixel: settings.single_scattering_depths shared by the camera
+/// rays of a pixel, rounded down but at least one a ray; march_steps_of_pixel() without a number.
+MarchSteps march_steps(const SubsurfaceMaterial& material, const Settings& settings,
+                       double tolerance);
 
 }  // namespace tallow

@@ -321,10 +321,8 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
                                                 orders_of_exitance(*material), view.spacing_mm),
                           accuracy),
             {}});
-        const int steps =
-            march_steps_of_pixel(material->model, material->medium, accuracy.tolerance);
-        bodies[view.object]->march_steps = {std::max(1, steps / scene.settings.samples),
-                                            std::max(steps, scene.settings.samples)};
+        bodies[view.object]->march_steps =
+            march_steps(*material, scene.settings, accuracy.tolerance);
         if (material->connection == Connection::exact)
             bodies[view.object]->connections.emplace(geometry.surfaces[view.object],
                                                      material->medium.eta);

@@ -47,27 +47,28 @@ std::vector<Camera> read_cameras(const YamlNode& section, const LengthReader& le
     return cameras;
 }
 
-std::optional<int> read_light_samples(const YamlMap& settings) {
-    const YamlNode& node = settings.at("light_samples");
+// Nothing where the key is absent or says auto.
+std::optional<int> count_or_auto(const YamlMap& settings, std::string_view key, int low, int high) {
+    if (!settings.has(key)) return std::nullopt;
+    const YamlNode& node = settings.at(key);
     if (node.kind == YamlNode::Kind::scalar && node.text == "auto") return std::nullopt;
-    return yaml_integer(node, "light_samples", 1, kLargestCount);
+    return yaml_integer(node, key, low, high);
 }
 
 Settings read_settings(const YamlNode& section) {
     constexpr Range kTolerance{0, 1, "a number in [0, 1)", false, true};
     const YamlMap map(section, "settings");
-    map.allow_only(
-        {"tolerance", "samples", "light_samples", "bounces", "indirect_samples", "plan"});
+    map.allow_only({"tolerance", "samples", "light_samples", "bounces", "indirect_samples",
+                    "single_scattering_depths", "plan"});
     Settings settings;
     settings.tolerance = map.number_or("tolerance", kTolerance, settings.tolerance);
     settings.samples = map.integer_or("samples", 1, kLargestCount, settings.samples);
-    if (map.has("light_samples")) settings.light_samples = read_light_samples(map);
-    if (map.has("indirect_samples") && map.at("indirect_samples").text != "auto")
-        settings.indirect_samples =
-            yaml_integer(map.at("indirect_samples"), "indirect_samples", 1, kLargestCount);
+    settings.light_samples = count_or_auto(map, "light_samples", 1, kLargestCount);
+    settings.bounces = count_or_auto(map, "bounces", 0, kMostBounces);
+    settings.indirect_samples = count_or_auto(map, "indirect_samples", 1, kLargestCount);
+    settings.single_scattering_depths =
+        count_or_auto(map, "single_scattering_depths", 1, kLargestCount);
     settings.everything = map.choice_or("plan", {{"auto", false}, {"everything", true}}, false);
-    if (map.has("bounces") && map.at("bounces").text != "auto")
-        settings.bounces = yaml_integer(map.at("bounces"), "bounces", 0, kMostBounces);
     return settings;
 }
 

@@ -51,9 +51,10 @@ class Bench:
         return [p for p in self.points if p.experiment == experiment
                 and all(getattr(p, name) == value for name, value in wanted.items())]
 
-    def cache(self, case: Case, *flags, material=None) -> tuple[pathlib.Path, programs.Run]:
+    def cache(self, case: Case, *flags, name=None,
+              material=None) -> tuple[pathlib.Path, programs.Run]:
         """Pass one of a case: its cache file and the run that made it; made anew each time."""
-        path = self.work / f"{case.name}.tallow"
+        path = self.work / f"{name or case.name}.tallow"
         return path, programs.run("tallow-precompute", case.scene, "-o", path,
                                   *case.flags(**(material or {})), *flags)
 
@@ -67,7 +68,8 @@ class Bench:
 def programs_fingerprint():
     """Changes whenever one of the programs does."""
     digest = hashlib.sha256()
-    for path in sorted((ROOT / "build/release/bin").glob("*")):
+    build = ROOT / "build/release"
+    for path in sorted([*build.glob("bin/*"), *build.glob("experiments/*/*-sweep")]):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 

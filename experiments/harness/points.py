@@ -15,6 +15,7 @@ QUANTITIES = {
     "noise": ("1", "relRMSE of the reference's own noise"),
     "peak_mib": ("MiB", "peak memory"),
     "samples": ("1", "samples on the surface"),
+    "evaluations": ("1", "kernel evaluations a point, all channels"),
 }
 
 

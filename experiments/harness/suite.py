@@ -12,6 +12,28 @@ class InputError(Exception):
     """What the user gave is wrong; the message says where and what was expected."""
 
 
+class BadValue(Exception):
+    """A setting that has the right type but makes no sense; `checked` adds the place."""
+
+    def __init__(self, key, expected, value):
+        super().__init__(f"{key}: expected {expected}, got {value!r}")
+        self.key = key
+
+
+def require(settings, key, expected, holds):
+    """Throws BadValue unless holds(value of `key`); for __post_init__ of Settings."""
+    value = getattr(settings, key)
+    if not holds(value):
+        raise BadValue(key, expected, value)
+
+
+def require_each(settings, expected, holds, *keys):
+    """The same for lists that must not be empty: each item has to hold."""
+    for key in keys:
+        require(settings, key, f"a list of {expected}",
+                lambda items: items and all(holds(item) for item in items))
+
+
 class Mapping(dict):
     """A mapping of a YAML file that knows where its keys stand."""
 
@@ -89,7 +111,10 @@ def checked(cls, mapping):
         required = field.default is dataclasses.MISSING
         if required and field.default_factory is dataclasses.MISSING and name not in mapping:
             raise InputError(f"{mapping.where()}: {name}: missing")
-    return cls(**mapping)
+    try:
+        return cls(**mapping)
+    except BadValue as bad:
+        raise InputError(f"{mapping.where(bad.key)}: {bad}") from None
 
 
 def _check_further(cls, mapping, key):

@@ -52,5 +52,21 @@ TEST(MarchSteps, GrowWithTheAccuracyUpToALimit) {
     EXPECT_LE(march_steps_of_pixel(Model::transport, preset("skin1"), 0), 1024);
 }
 
+TEST(MarchSteps, AreSharedByTheCameraRaysOfAPixel) {
+    const SubsurfaceMaterial material{preset("marble")};
+    Settings settings;
+    settings.samples = 16;
+    const auto steps = [&](std::optional<int> depths) {
+        settings.single_scattering_depths = depths;
+        const MarchSteps result = march_steps(material, settings, 0.01);
+        return std::pair(result.of_point, result.together);
+    };
+    EXPECT_EQ(steps(64), std::pair(4, 64));
+    EXPECT_EQ(steps(60), std::pair(3, 60));
+    EXPECT_EQ(steps(4), std::pair(1, 16));
+    EXPECT_EQ(steps(std::nullopt),
+              steps(march_steps_of_pixel(Model::transport, material.medium, 0.01)));
+}
+
 }  // namespace
 }  // namespace tallow

@@ -292,6 +292,8 @@ TEST(SceneErrors, GroupsAndSettings) {
          "scene.yaml:3:21: samples: expected an integer in [1, 65536], got '65537'"},
         {"settings: {light_samples: many}\n",
          "scene.yaml:3:27: light_samples: expected an integer in [1, 65536], got 'many'"},
+        {"settings: {single_scattering_depths: 0}\n",
+         "scene.yaml:3:38: single_scattering_depths: expected an integer in [1, 65536], got '0'"},
         {"settings: {sampels: 1}\n",
          "scene.yaml:3:12: sampels: unknown key, did you mean 'samples'?"},
         {"settings: []\n", "scene.yaml:3:11: settings: expected a map, got an empty list"},

@@ -165,6 +165,13 @@ TEST(SceneYaml, ReadsSettings) {
     EXPECT_EQ(settings.tolerance, 0.02f);
     EXPECT_EQ(settings.samples, 4);
     EXPECT_EQ(settings.light_samples, 32);
+    EXPECT_EQ(settings.single_scattering_depths, std::nullopt);
+    EXPECT_EQ(scene_of(kCamera, {"settings.single_scattering_depths=64"})
+                  .settings.single_scattering_depths,
+              64);
+    EXPECT_EQ(scene_of(kCamera, {"settings.single_scattering_depths=auto"})
+                  .settings.single_scattering_depths,
+              std::nullopt);
     EXPECT_EQ(scene_of(kCamera + "settings: {light_samples: auto}\n").settings.light_samples,
               std::nullopt);
 }
