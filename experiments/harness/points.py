@@ -4,6 +4,9 @@ import csv
 import dataclasses
 import statistics
 
+# Phases of the programs' --stats that are written down, one quantity seconds_PHASE each.
+PHASES = ["sample", "irradiance", "indirect", "octree", "primary", "exitance", "single"]
+
 # What is measured: unit and the words beside an axis.
 QUANTITIES = {
     "seconds": ("s", "time"),
@@ -16,6 +19,7 @@ QUANTITIES = {
     "peak_mib": ("MiB", "peak memory"),
     "samples": ("1", "samples on the surface"),
     "evaluations": ("1", "kernel evaluations a point, all channels"),
+    **{f"seconds_{phase}": ("s", f"time of the phase {phase}") for phase in PHASES},
 }
 
 
