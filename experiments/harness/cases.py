@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The standard cases: a figure of experiments/cases in a medium of media.yaml."""
 import dataclasses
+import hashlib
 import json
 import pathlib
 
@@ -40,6 +41,24 @@ class Case:
 
     def needs_fetched_mesh(self):
         return "data/fetched/" in self.scene.read_text(encoding="utf-8")
+
+    def fingerprint(self):
+        """Changes with the scene file, the medium, or the reference."""
+        digest = hashlib.sha256(self.scene.read_bytes() + self.material().encode())
+        if self.reference.exists():
+            digest.update(self.reference.read_bytes())
+        return digest.hexdigest()[:16]
+
+
+def all_cases():
+    """Every figure in every medium, figures one after another."""
+    figures = sorted(file.stem for file in CASES.glob("*.yaml") if file.stem != "media")
+    return [Case(figure, medium) for figure in figures for medium in read_yaml(CASES / "media.yaml")]
+
+
+def cases_named(names):
+    """The cases of a setting: "all", or a list of names. Throws InputError."""
+    return all_cases() if names == "all" else [case_named(name) for name in names]
 
 
 def case_named(name):

@@ -86,19 +86,25 @@ def save_flip(errors, mask, path):
     save(colours.round(), path, (FLIP_COLOURS, ("FLIP 0", "0.5", "1")))
 
 
-def strip(folder, name, title, image, reference, mask, limit):
-    """A row of Pictures of (h, w, 3): ours, reference, difference within +-limit, FLIP.
+PARTS = {"ours": "ours", "reference": "reference", "difference": "(ours - reference) / mean",
+         "flip": "FLIP"}
 
-    Written as FOLDER/NAME-ours.png and so on; the mean FLIP stands in the caption.
+
+def strip(folder, name, image, reference, mask, limit):
+    """Writes four pictures of (h, w, 3) as FOLDER/NAME-PART.png, a PART of PARTS each.
+
+    Ours and the reference at the exposure that suits the reference; the signed difference in
+    +-limit times the reference's mean, so that strips with one limit share a scale; FLIP.
     """
+    paths = {part: folder / f"{name}-{part}.png" for part in PARTS}
     exposure = exposure_for(reference, mask)
-    paths = {part: folder / f"{name}-{part}.png"
-             for part in ("ours", "reference", "difference", "flip")}
-    mean, errors = metrics.flip(image, reference, mask)
     save_linear(image, paths["ours"], exposure)
     save_linear(reference, paths["reference"], exposure)
     save_difference(relative_difference(image, reference, mask), mask, paths["difference"], limit)
-    save_flip(errors, mask, paths["flip"])
-    return [Picture(paths["ours"], title), Picture(paths["reference"], "reference"),
-            Picture(paths["difference"], "(ours - reference) / mean"),
-            Picture(paths["flip"], f"FLIP, mean {mean:.3f}")]
+    save_flip(metrics.flip(image, reference, mask)[1], mask, paths["flip"])
+
+
+def row(folder, name, title):
+    """The Pictures that strip() wrote, for a report; `title` says what "ours" is."""
+    return [Picture(folder / f"{name}-{part}.png", title if part == "ours" else words)
+            for part, words in PARTS.items()]

@@ -226,18 +226,37 @@ def _draw_noise_to(axes, seconds, error, target, style):
 
 def bars(points, quantity, title="", group="case", series=None, log=False):
     """Bars beside one another, a colour a series, a group of bars a case (or another field)."""
-    figure, axes = empty("", axis_label(quantity), "y" if log else "", title)
-    groups = list(dict.fromkeys(getattr(p, group) for p in points))
-    table = styles(series or [p.series for p in points])
+    groups = {}
+    for point in points:
+        if quantity in point.quantities:
+            own = groups.setdefault(str(getattr(point, group)), {})
+            own[point.series] = numbers_of(point, quantity)
+    return _grouped_bars(groups, axis_label(quantity), title, series or [p.series for p in points],
+                         log)
+
+
+def bars_of(points, quantities, title="", series=None):
+    """Bars as above, a group a quantity; all of them errors in per cent, a point a series."""
+    groups = {words: {p.series: numbers_of(p, quantity) for p in points}
+              for quantity, words in quantities.items()}
+    return _grouped_bars(groups, "%", title, series or [p.series for p in points], False)
+
+
+def _grouped_bars(groups, label, title, series, log):
+    """groups {words: {series: (median, least, most)}}."""
+    figure, axes = empty("", label, "y" if log else "", title)
+    table = styles(series)
     width = 0.8 / len(table)
     with rc_context(LOOK):
         for place, (name, style) in enumerate(table.items()):
-            own = [p for p in points if p.series == name and quantity in p.quantities]
-            numbers = numpy.array([numbers_of(p, quantity) for p in own]).reshape(-1, 3)
-            at = [groups.index(getattr(p, group)) + (place - (len(table) - 1) / 2) * width
-                  for p in own]
-            axes.bar(at, numbers[:, 0], 0.92 * width, color=style.color, label=name,
-                     yerr=_bars(numbers), error_kw={"elinewidth": 1, "capsize": 2})
+            at = [g for g, own in enumerate(groups.values()) if name in own]
+            numbers = [own[name] for own in groups.values() if name in own]
+            if not at:
+                continue
+            numbers = numpy.array(numbers)
+            axes.bar(numpy.array(at) + (place - (len(table) - 1) / 2) * width, numbers[:, 0],
+                     0.92 * width, color=style.color, label=name, yerr=_bars(numbers),
+                     error_kw={"elinewidth": 1, "capsize": 2})
         axes.grid(False, axis="x", which="both")
         axes.axhline(0, color="black", linewidth=0.8)
         slanted = len(groups) > 4 or sum(map(len, groups)) > 40

@@ -2,6 +2,7 @@
 """Suites: which experiments to run, with which settings. Files in experiments/suites/."""
 import dataclasses
 import pathlib
+import re
 import typing
 
 import yaml
@@ -73,14 +74,26 @@ def _construct(node, path):
         return result
     if isinstance(node, yaml.SequenceNode):
         return [_construct(item, path) for item in node.value]
-    return yaml.SafeLoader("").construct_object(node) if node else None
+    return _scalar(node) if node else None
+
+
+def _scalar(node):
+    """As YAML 1.2 has it: on, off, yes, no are text, and 1e-3 is a number."""
+    if node.tag == "tag:yaml.org,2002:bool" and node.value.lower() not in ("true", "false"):
+        return node.value
+    if node.tag == "tag:yaml.org,2002:str" and node.style is None and _EXPONENT.match(node.value):
+        return float(node.value)
+    return yaml.SafeLoader("").construct_object(node)
+
+
+_EXPONENT = re.compile(r"[-+]?\d+(\.\d*)?[eE][-+]?\d+$")  # which YAML 1.1 wants a dot and sign in
 
 
 def checked(cls, mapping):
     """`mapping` as an instance of the dataclass `cls`.
 
     A key that `cls` does not have, a value of another type, or a missing one without a default is
-    an InputError that names the place.
+    an InputError that names the place; so is what cls.CHECKS[key](value), if there is one, throws.
     """
     if not isinstance(mapping, Mapping):
         raise InputError(f"expected a mapping for {cls.__name__}, got {mapping!r}")
@@ -93,6 +106,7 @@ def checked(cls, mapping):
         if not _is_a(value, types[key]):
             raise InputError(f"{mapping.where(key)}: {key}: expected {_name(types[key])}, "
                              f"got {value!r}")
+        _check_further(cls, mapping, key)
     for name, field in fields.items():
         required = field.default is dataclasses.MISSING
         if required and field.default_factory is dataclasses.MISSING and name not in mapping:
@@ -103,8 +117,17 @@ def checked(cls, mapping):
         raise InputError(f"{mapping.where(bad.key)}: {bad}") from None
 
 
+def _check_further(cls, mapping, key):
+    try:
+        getattr(cls, "CHECKS", {}).get(key, lambda _: None)(mapping[key])
+    except InputError as error:
+        raise InputError(f"{mapping.where(key)}: {key}: {error}") from None
+
+
 def _is_a(value, kind):
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Literal:
+        return any(value is one or (isinstance(value, str) and value == one) for one in arguments)
     if origin is list:
         return isinstance(value, list) and all(_is_a(item, arguments[0]) for item in value)
     if origin is typing.Union or str(type(kind)) == "<class 'types.UnionType'>":
@@ -117,7 +140,16 @@ def _is_a(value, kind):
 
 
 def _name(kind):
-    return getattr(kind, "__name__", str(kind)) if not typing.get_args(kind) else str(kind)
+    """A type as a user calls it: "a list of a number", "one of on, off"."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Literal:
+        return "one of " + ", ".join(map(str, arguments)) if len(arguments) > 1 else arguments[0]
+    if origin is list:
+        return f"a list, each {_name(arguments[0])}"
+    if arguments:
+        return " or ".join(map(_name, arguments))
+    return {float: "a number", int: "an integer", str: "text", bool: "true or false",
+            list: "a list", dict: "a mapping"}.get(kind, getattr(kind, "__name__", str(kind)))
 
 
 @dataclasses.dataclass
