@@ -11,6 +11,7 @@ PHASES = ["sample", "irradiance", "indirect", "octree", "primary", "exitance", "
 QUANTITIES = {
     "seconds": ("s", "time"),
     "relRMSE": ("1", "relRMSE"),
+    "relRMSE_picture": ("1", "RMSE of a layer / mean of all scattered light"),
     "bias": ("1", "mean difference / mean"),
     "p99": ("1", "99th percentile of the relative error"),
     "max": ("1", "largest relative error"),

@@ -61,7 +61,7 @@ def pass_two(bench, case, cache, resolution, rays, threads):
     return quantities([
         bench.image(case, cache.path, f"{case.name}-{NAME}", "--set",
                     f"cameras.main.resolution=[{resolution},{resolution}]", "--samples", rays,
-                    "--threads", threads)[1] for _ in range(bench.repeat)])
+                    "--threads", threads, layers="none")[1] for _ in range(bench.repeat)])
 
 
 def measure_samples(settings, bench, case):
@@ -71,11 +71,11 @@ def measure_samples(settings, bench, case):
         for threads in settings.threads:
             bench.measure(NAME, case.name, series(PASS_ONE, threads), SAMPLES, number,
                           lambda: pass_one(bench, case, name, "--points", number, "--threads",
-                                           threads))
+                                           threads), inputs=case.fingerprint())
             bench.measure(NAME, case.name, series(PASS_TWO, threads), SAMPLES, number,
                           lambda: pass_two(bench, case, cache, settings.resolution, settings.rays,
                                            threads),
-                          settings=[settings.resolution, settings.rays])
+                          settings=[settings.resolution, settings.rays], inputs=case.fingerprint())
 
 
 def measure_pixels(settings, bench, case):
@@ -84,11 +84,11 @@ def measure_pixels(settings, bench, case):
         for resolution in settings.resolutions:
             bench.measure(NAME, case.name, series(PASS_TWO, threads), RESOLUTION, resolution,
                           lambda: pass_two(bench, case, cache, resolution, settings.rays, threads),
-                          settings=settings.rays)
+                          settings=settings.rays, inputs=case.fingerprint())
         for rays in settings.camera_samples:
             bench.measure(NAME, case.name, series(PASS_TWO, threads), RAYS, rays,
                           lambda: pass_two(bench, case, cache, settings.resolution, rays, threads),
-                          settings=settings.resolution)
+                          settings=settings.resolution, inputs=case.fingerprint())
 
 
 def measure(settings, bench):
@@ -114,8 +114,8 @@ def plot_of(settings, bench, case, parameter, quantity):
     return Plot(f"{NAME}-{stem}-{quantity}-{case}".replace("_", "-"),
                 plots.against(points, "value", quantity, fit=True, parameter=parameter,
                               title=f"{case}: {parameter}"),
-                f"{words_of} against {parameter}, {case}; bars from least to most of {bench.repeat} "
-                "runs, exponents fitted.", points[0].command)
+                f"{words_of} against {parameter}, {case}; bars from least to most of "
+                f"{bench.repeat} runs, exponents fitted.", points[0].command)
 
 
 def fitted(points, quantity):
@@ -154,9 +154,9 @@ def growth_words(settings, bench, case):
         sentences.append(
             f"From {words.count(least.median('samples'))} to {words.count(most.median('samples'))} "
             f"samples {program} goes from {words.seconds(least.median('seconds'))} and "
-            f"{words.memory(least.median('peak_mib'))} to {words.seconds(most.median('seconds'))} and "
-            f"{words.memory(most.median('peak_mib'))}: {words.significant(memory, 3)} bytes for each "
-            f"sample more, time to the power {fitted(points, 'seconds')}"
+            f"{words.memory(least.median('peak_mib'))} to {words.seconds(most.median('seconds'))} "
+            f"and {words.memory(most.median('peak_mib'))}: {words.significant(memory, 3)} bytes "
+            f"for each sample more, time to the power {fitted(points, 'seconds')}"
             + (f", of which the sum itself {fitted(points, 'seconds_exitance')}."
                if program == PASS_TWO else "."))
     return sentences
@@ -182,9 +182,9 @@ def thread_words(settings, bench, case):
         return []
     ratios = []
     for program in (PASS_ONE, PASS_TWO):
-        slow, fast = (bench.of(NAME, case=case, series=series(program, threads), parameter=SAMPLES)
-                      for threads in (few, many))
-        ratios.append(f"{program} {words.times(slow[-1].median('seconds') / fast[-1].median('seconds'))}")
+        slow, fast = (bench.of(NAME, case=case, series=series(program, threads),
+                               parameter=SAMPLES)[-1].median("seconds") for threads in (few, many))
+        ratios.append(f"{program} {words.times(slow / fast)}")
     return [f"At the most samples {many} threads make {words.listed(ratios)} as fast as {few}."]
 
 

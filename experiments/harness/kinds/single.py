@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Single scattering alone: depths at which light is collected against error against time.
 
-The layer `single` of images with a chosen number of depths a pixel. Light that follows straight lines
-and light that follows all refracted paths is compared with the latter at very many depths, and
-straight lines also with themselves, which tells their noise from their error.
+The layer `single` of images with a chosen number of depths a pixel. Light along straight lines and
+along all refracted paths is compared with the latter at very many depths, and straight lines also
+with themselves, which tells their noise from their error.
 """
 import dataclasses
 import functools
@@ -52,9 +52,8 @@ class Layers:
 
     def __init__(self, settings, bench, case):
         self.settings, self.bench, self.case = settings, bench, case
-        # What enters the samples does not matter here: few will do.
-        self.cache = CacheOnDemand(bench, case, "--points", 1000, "--light-samples", 1, "--set",
-                                   "settings.bounces=0", name=f"{case.name}-few")
+        self.cache = CacheOnDemand(bench, case, "--set", "settings.bounces=0",
+                                   name=f"{case.name}-direct")
 
     def render(self, connection, depths, *flags):
         path, run = self.bench.image(
@@ -80,8 +79,10 @@ class Layers:
             image, run = self.small(connection, depths)
             seconds.append(run.stats["seconds"]["single"])
         reference = self.reference(against)
-        errors = compare(image["single"], reference["single"], body_mask(reference))
-        return {"seconds": seconds, **{name: [value] for name, value in errors.items()}}, run.command
+        mask = body_mask(reference)
+        errors = compare(image["single"], reference["single"], mask)
+        errors["relRMSE_picture"] = errors["relRMSE"] * share_of_single(reference, mask)
+        return {"seconds": seconds, **as_lists(errors)}, run.command
 
     def against_truth(self, connection):
         """With as many depths as the other references, at the truth's own resolution."""
@@ -91,7 +92,18 @@ class Layers:
         errors = compare(image["single"], truth["single"], body_mask(image),
                          variance_of(truth, "single"))
         return {"seconds": [run.stats["seconds"]["single"]],
-                **{name: [value] for name, value in errors.items()}}, run.command
+                **as_lists(errors)}, run.command
+
+
+def as_lists(errors):
+    """Quantities of something that every run computes alike."""
+    return {name: [value] for name, value in errors.items()}
+
+
+def share_of_single(image, mask):
+    """Mean of what was scattered once over the mean of all that was scattered."""
+    single, multiple = (float(image[layer][mask].mean()) for layer in ("single", "multiple"))
+    return single / (single + multiple)
 
 
 def variance_of(image, layer):
@@ -105,9 +117,10 @@ def has_truth(case):
 
 
 def measure(settings, bench):
-    common = {"settings": [settings.reference_depths, settings.resolution]}
     for name in settings.cases:
         case = case_named(name)
+        common = {"settings": [settings.reference_depths, settings.resolution],
+                  "inputs": case.fingerprint()}
         layers = Layers(settings, bench, case)
         lines = [(STRAIGHT_NOISE, STRAIGHT, STRAIGHT)]
         if settings.exact:
@@ -119,7 +132,7 @@ def measure(settings, bench):
         for connection in settings.connections() if has_truth(case) else []:
             bench.measure(NAME, name, TRUTH[connection], DEPTHS, settings.reference_depths,
                           lambda: layers.against_truth(connection),
-                          truth=case.reference.stat().st_size, samples=settings.truth_samples)
+                          inputs=case.fingerprint(), samples=settings.truth_samples)
 
 
 # --- telling -------------------------------------------------------------------------------------
@@ -154,8 +167,8 @@ def noise_words(bench, case, series):
     law = fits.fit_of(points, "value", "relRMSE")
     if not law:
         return ""
-    return (f"The noise of {series.split(',')[0]} paths goes with depths to the power {law.words()}: "
-            f"{words.percent(points[0].median('relRMSE'))} with {points[0].value}, "
+    return (f"The noise of {series.split(',')[0]} paths goes with depths to the power "
+            f"{law.words()}: {words.percent(points[0].median('relRMSE'))} with {points[0].value}, "
             f"{words.percent(points[-1].median('relRMSE'))} with {points[-1].value}.")
 
 
@@ -167,8 +180,9 @@ def bias_words(bench, case):
     last, best = straight[-1], exact[-1]
     return (f"Against exact paths straight lines stay at {words.percent(last.median('relRMSE'))} "
             f"({last.value} depths; mean difference {100 * last.median('bias'):+.1f} %, 99th "
-            f"percentile {words.percent(last.median('p99'))}), however many depths there are; exact "
-            f"paths reach {words.percent(best.median('relRMSE'))} and take "
+            f"percentile {words.percent(last.median('p99'))}), however many depths there are, "
+            f"which is {words.percent(last.median('relRMSE_picture'))} of the mean of all "
+            f"scattered light; exact paths reach {words.percent(best.median('relRMSE'))} and take "
             f"{words.times(best.median('seconds') / last.median('seconds'))} the time "
             f"({words.seconds(best.median('seconds'))} against "
             f"{words.seconds(last.median('seconds'))}).")
@@ -190,28 +204,32 @@ def truth_words(settings, bench, case):
 
 
 def case_words(settings, bench, case):
-    parts = [f"{case}.", noise_words(bench, case, STRAIGHT_NOISE)]
-    if settings.exact:
-        parts.append(noise_words(bench, case, EXACT))
-    return " ".join(filter(None, [*parts, bias_words(bench, case), truth_words(settings, bench, case)]))
+    parts = [f"{case}.", noise_words(bench, case, STRAIGHT_NOISE), noise_words(bench, case, EXACT),
+             bias_words(bench, case), truth_words(settings, bench, case)]
+    return " ".join(filter(None, parts))
 
 
 def table_of(settings, bench):
-    rows = [[case, p.series, p.value, words.percent(p.median("relRMSE")),
+    def of_picture(p):
+        known = "relRMSE_picture" in p.quantities
+        return words.percent(p.median("relRMSE_picture")) if known else ""
+
+    rows = [[case, p.series, p.value, words.percent(p.median("relRMSE")), of_picture(p),
              f"{100 * p.median('bias'):+.2f} %", words.percent(p.median("p99")),
              words.seconds(p.median("seconds"))]
             for case in settings.cases for p in bench.of(NAME, case=case)]
-    return Table(["case", "paths of light", DEPTHS, "relRMSE", "mean difference", "p99", "time"],
+    return Table(["case", "paths of light", DEPTHS, "relRMSE", "of all scattered light",
+                  "mean difference", "p99", "time"],
                  rows, "All that was measured; medians. Errors are against exact paths with "
                  f"{settings.reference_depths} depths if nothing else is said.")
 
 
 def section(settings, bench):
     text = ("Light that is scattered once, alone: the layer `single` over the pixels that see the "
-            "body. Eye rays are refracted into the body and light is collected at a number of depths "
-            "along them (`settings.single_scattering_depths`), from each to one point of each light: "
-            "along a `straight` line whose length inside is corrected, or along every path that is "
-            "refracted at the surface (`exact`). Times are of the phase `single`.\n\n"
+            "body. Eye rays are refracted into the body and light is collected at a number of "
+            "depths along them (`settings.single_scattering_depths`), from each to one point of "
+            "each light: along a `straight` line whose length inside is corrected, or along every "
+            "path that is refracted at the surface (`exact`). Times are of the phase `single`.\n\n"
             + "\n\n".join(case_words(settings, bench, case) for case in settings.cases))
     return Section("Single scattering: depths against error against time", text,
                    plots=[plot for case in settings.cases
