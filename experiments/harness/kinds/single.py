@@ -153,7 +153,7 @@ def plots_of(settings, bench, case):
              f"reference with {settings.reference_depths} depths.")
     return [
         Plot(f"{NAME}-depths-{case}",
-             plots.against(points, "value", "relRMSE", parameter=DEPTHS, fit=True,
+             plots.against(points, "value", "relRMSE", parameter=DEPTHS,
                            title=f"{case}: depths"),
              f"Error of the layer `single` against the depths a pixel: {about}", points[0].command),
         Plot(f"{NAME}-time-{case}",
