@@ -19,8 +19,8 @@ node, as published implementations have it. The last two skip settings that woul
 --budget seconds.
 
 Needs the release build (./run build), the scanned meshes (./run fetch), and
-`pip install numpy matplotlib pyyaml`. The whole takes hours; --standard a quarter of an hour; --quick takes
-less than two minutes and writes to out/evaluator/quick.
+`pip install numpy matplotlib pyyaml`. The whole takes hours; --standard a quarter of an hour; --quick
+takes less than two minutes and writes to out/evaluator/quick.
 
     experiments/evaluator.py [--quick | --standard] [--budget SECONDS] [--output DIR] [--build DIR]
     experiments/evaluator.py --plot-only [--output DIR]

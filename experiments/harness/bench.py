@@ -58,11 +58,11 @@ class Bench:
         return path, programs.run("tallow-precompute", case.scene, "-o", path,
                                   *case.flags(**(material or {})), *flags)
 
-    def image(self, case: Case, cache, name, *flags, material=None):
-        """Pass two of a case: its image (with all layers) and the run that made it."""
+    def image(self, case: Case, cache, name, *flags, material=None, layers="all"):
+        """Pass two of a case: its image (with such layers) and the run that made it."""
         path = self.work / f"{name}.exr"
         return path, programs.run("tallow-render", case.scene, "--cache", cache, "-o", path,
-                                  "--aovs", "all", *case.flags(**(material or {})), *flags)
+                                  "--aovs", layers, *case.flags(**(material or {})), *flags)
 
 
 def programs_fingerprint():

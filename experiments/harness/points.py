@@ -4,10 +4,14 @@ import csv
 import dataclasses
 import statistics
 
+# Phases of the programs' --stats that are written down, one quantity seconds_PHASE each.
+PHASES = ["sample", "irradiance", "indirect", "octree", "primary", "exitance", "single"]
+
 # What is measured: unit and the words beside an axis.
 QUANTITIES = {
     "seconds": ("s", "time"),
     "relRMSE": ("1", "relRMSE"),
+    "relRMSE_picture": ("1", "RMSE of a layer / mean of all scattered light"),
     "bias": ("1", "mean difference / mean"),
     "p99": ("1", "99th percentile of the relative error"),
     "max": ("1", "largest relative error"),
@@ -16,6 +20,7 @@ QUANTITIES = {
     "peak_mib": ("MiB", "peak memory"),
     "samples": ("1", "samples on the surface"),
     "evaluations": ("1", "kernel evaluations a point, all channels"),
+    **{f"seconds_{phase}": ("s", f"time of the phase {phase}") for phase in PHASES},
 }
 
 

@@ -5,11 +5,14 @@ import json
 import os
 import pathlib
 import shlex
+import signal
 import subprocess
+import sys
 import tempfile
-import time
 
 from .cases import ROOT
+
+LAUNCH = pathlib.Path(__file__).with_name("launch.py")
 
 
 class ProgramFailed(Exception):
@@ -34,34 +37,34 @@ def shown(command):
 
 
 def run(program, *arguments, stats=True, bin=ROOT / "build/release/bin", timeout=None):
-    """Runs a program of `bin` to its end. Throws ProgramFailed."""
+    """Runs a program of `bin` to its end. Throws ProgramFailed, also after `timeout` seconds."""
     with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder) / "stats.json"
+        folder = pathlib.Path(folder)
         plain = [pathlib.Path(bin) / program, *arguments]
+        file = folder / "stats.json"
         command = [str(word) for word in plain + (["--quiet", "--stats", file] if stats else [])]
-        with open(pathlib.Path(folder) / "out", "w+", encoding="utf-8") as out, \
-                open(pathlib.Path(folder) / "err", "w+", encoding="utf-8") as err:
-            start = time.monotonic()
-            process = subprocess.Popen(command, stdout=out, stderr=err)
-            status, usage = _wait(process, timeout)
-            seconds = time.monotonic() - start
+        with open(folder / "out", "w+", encoding="utf-8") as out, \
+                open(folder / "err", "w+", encoding="utf-8") as err:
+            taken = _launch(command, folder / "taken.json", out, err, timeout)
             out.seek(0), err.seek(0)
-            if status != 0:
-                raise ProgramFailed(f"{shown(plain)}: exit code {status}: {err.read()[-500:]}")
-            return Run(shown(plain), seconds, usage.ru_utime + usage.ru_stime,
-                       usage.ru_maxrss / 1024, json.loads(file.read_text()) if stats else {},
-                       out.read())
+            if taken["status"] != 0:
+                raise ProgramFailed(f"{shown(plain)}: exit code {taken['status']}: "
+                                    f"{err.read()[-500:]}")
+            return Run(shown(plain), taken["seconds"], taken["cpu_seconds"], taken["peak_mib"],
+                       json.loads(file.read_text()) if stats else {}, out.read())
 
 
-def _wait(process, timeout):
-    """Exit code and resource usage of this one process."""
-    end = None if timeout is None else time.monotonic() + timeout
-    while True:
-        pid, status, usage = os.wait4(process.pid, 0 if end is None else os.WNOHANG)
-        if pid:
-            process.returncode = os.waitstatus_to_exitcode(status)
-            return process.returncode, usage
-        if time.monotonic() > end:
-            process.kill()
-            end = None
-        time.sleep(0.002)
+def _launch(command, result, out, err, timeout):
+    """What launch.py says of the command; its exit code alone if it could not be run to its end."""
+    process = subprocess.Popen([sys.executable, "-I", "-S", LAUNCH, result, *command], stdout=out,
+                               stderr=err, start_new_session=True)
+    try:
+        process.wait(timeout)
+    except BaseException as stopped:  # too slow, or interrupted: the program has to go, too
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        if not isinstance(stopped, subprocess.TimeoutExpired):
+            raise
+    if not result.exists():
+        return {"status": process.returncode}
+    return json.loads(result.read_text())

@@ -20,6 +20,7 @@ NAME = "hierarchy"
 # How a line is called in plots, by the sweep's criterion.
 SERIES = {"error": "tolerance", "certified": "certified", "solid-angle": "solid angle",
           "formula": "solid angle, formula"}
+OURS = "error", "certified"
 FORMULA_MODELS = "dipole", "classic-dipole"
 EQUAL_ERRORS = 0.01, 0.001  # where times are compared
 
@@ -91,9 +92,10 @@ class Line:
     def measure(self, criterion, values):
         for value in values:
             self.bench.measure(NAME, self.problem.case, self.problem.series(criterion),
-                               "solid_angle" if "solid" in SERIES[criterion] else "tolerance", value,
+                               "tolerance" if criterion in OURS else "solid_angle", value,
                                lambda: self.quantities(criterion, value),
-                               settings=dataclasses.asdict(self.settings))
+                               settings=dataclasses.asdict(self.settings),
+                               inputs=case_named(self.problem.case).fingerprint())
 
     def quantities(self, criterion, value):
         """Nothing for what would have taken longer than the budget."""
@@ -156,9 +158,10 @@ def error_plot(settings, bench, case, model):
     figure = plots.error_against_time(points, title=f"{case}, {model}, {problem.samples} samples",
                                       series=list(SERIES.values()))
     return Plot(f"{NAME}-{case}-{model}", figure,
-                f"Error of the sum over samples against the time of grouping and evaluation: {case}, "
-                f"{model}, {words.count(problem.samples)} samples asked for. A point a setting; bars "
-                f"from the fastest to the slowest of {bench.repeat} runs.", points[0].command)
+                "Error of the sum over samples against the time of grouping and evaluation: "
+                f"{case}, {model}, {words.count(problem.samples)} samples asked for. A point a "
+                f"setting; bars from the fastest to the slowest of {bench.repeat} runs.",
+                points[0].command)
 
 
 def growth_points(settings, bench, case, model):
@@ -176,19 +179,18 @@ def growth_points(settings, bench, case, model):
     return result
 
 
-def growth_plot(settings, bench, case, model):
-    points = growth_points(settings, bench, case, model)
+def growth_plot(points, case, model):
     figure = plots.against(points, "value", "seconds", fit=True, series=list(SERIES.values()),
                            title=f"{case}, {model}: time at an error of 1 %")
     return Plot(f"{NAME}-samples-{case}-{model}", figure,
-                f"Time to a measured error of {words.percent(EQUAL_ERRORS[0])}, interpolated between "
-                f"settings, against the number of samples that have light: {case}, {model}.",
+                f"Time to a measured error of {words.percent(EQUAL_ERRORS[0])}, interpolated "
+                f"between settings, against the number of samples with light: {case}, {model}.",
                 points[0].command)
 
 
 def time_at(points, error):
-    """Seconds at a measured error. A criterion whose coarsest setting is already better than `error`
-    has that setting's time: nobody can ask it for less."""
+    """Seconds at a measured error, interpolated; of the fastest setting if all are better: nobody
+    can ask for less."""
     points = [p for p in points if p.median("relRMSE") > 0]
     if points and max(p.median("relRMSE") for p in points) < error:
         return min(p.median("seconds") for p in points)
@@ -213,9 +215,9 @@ def speedup_table(settings, bench):
                      *("" if ratio is None else words.times(ratio) for ratio in ratios)])
     return Table(["case", "model", "samples", "error", *SERIES.values(), "speed-up",
                   "over the formula"], rows,
-                 "Time at equal measured error, interpolated between settings on logarithmic axes, or "
-                 "that of the fastest setting if all are better. Empty where no setting was so good (or not within the budget), or for a model "
-                 "without a formula.")
+                 "Time at equal measured error, interpolated between settings on logarithmic axes, "
+                 "or that of the fastest setting if all are better. Empty where no setting was so "
+                 "good (or not within the budget), or for a model without a formula.")
 
 
 def speedup_words(settings, bench):
@@ -229,8 +231,9 @@ def speedup_words(settings, bench):
             continue
         low, high = (pick(found, key=lambda pair: pair[0]) for pick in (min, max))
         yield (f"At an error of {words.percent(error)} cutting the tree by error takes "
-               f"less time than the solid-angle criterion with the same table, by {words.times(low[0])} "
-               f"({low[1].case}, {low[1].model}, {words.count(low[1].samples)} samples)"
+               "less time than the solid-angle criterion with the same table, by "
+               f"{words.times(low[0])} ({low[1].case}, {low[1].model}, "
+               f"{words.count(low[1].samples)} samples)"
                + (f", by {words.times(high[0])} where it gains most ({high[1].case}, "
                   f"{high[1].model}, {words.count(high[1].samples)})." if high != low else "."))
 
@@ -244,26 +247,27 @@ def promise_words(settings, bench):
     mean, at_mean = worst("error", "relRMSE")
     largest, at_largest = worst("certified", "max")
     return (f"With --tolerance, the measured relRMSE was {words.times(mean)} what was asked for at "
-            f"most ({words.percent(at_mean.median('relRMSE'))} at {at_mean.value:g}). With --certify, "
-            "where every pixel and channel has a proven bound, the largest single error was "
-            f"{words.times(largest)} the tolerance (at {at_largest.value:g}).")
+            f"most ({words.percent(at_mean.median('relRMSE'))} at {at_mean.value:g}). With "
+            "--certify, where every pixel and channel has a proven bound, the largest single error "
+            f"was {words.times(largest)} the tolerance (at {at_largest.value:g}).")
 
 
 def section(settings, bench):
-    text = ("The error that the hierarchy alone makes: against the plain sum over the same samples, in "
-            f"double, at {settings.reference_points} points drawn with a fixed seed, of all that see "
-            f"the body at {settings.resolution} x {settings.resolution} pixels. Times are of grouping "
-            "the points and of the evaluation, by the sweep's own clock; loading and building the "
-            "tree are not in them. `tolerance` cuts the tree by bounds of the error, `certified` adds "
-            "the bounds up and proves them, `solid angle` is the classical criterion with our table "
-            "of the profile, and with the dipole's formula evaluated at each node as it was "
-            "published.\n\n"
+    text = ("The error that the hierarchy alone makes: against the plain sum over the same "
+            f"samples, in double, at {settings.reference_points} points drawn with a fixed seed, "
+            f"of all that see the body at {settings.resolution} x {settings.resolution} pixels. "
+            "Times are of grouping the points and of the evaluation, by the sweep's own clock; "
+            "loading and building the tree are not in them. `tolerance` cuts the tree by bounds of "
+            "the error, `certified` adds the bounds up and proves them, `solid angle` is the "
+            "classical criterion with our table of the profile, and with the dipole's formula "
+            "evaluated at each node as it was published.\n\n"
             + " ".join(speedup_words(settings, bench)) + "\n\n" + promise_words(settings, bench))
     lines = []
     for case in settings.cases:
         for model in settings.models:
             lines.append(error_plot(settings, bench, case, model))
-            if len(settings.samples) > 1:
-                lines.append(growth_plot(settings, bench, case, model))
+            growth = growth_points(settings, bench, case, model)
+            if len({p.value for p in growth}) > 1:
+                lines.append(growth_plot(growth, case, model))
     return Section("Error of the hierarchy against time", text, plots=lines,
                    tables=[speedup_table(settings, bench)])

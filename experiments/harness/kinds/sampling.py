@@ -19,8 +19,8 @@ from ..sweeps import sampling_sweep
 NAME = "sampling"
 
 # How a line is called in plots, by the sweep's method.
-SERIES = {"cells": "ours", "bands": "ours, of a true sphere", "voronoi": "blue noise, Voronoi areas",
-          "blue-noise": "blue noise", "random": "random"}
+SERIES = {"cells": "ours", "bands": "ours, of a true sphere",
+          "voronoi": "blue noise, Voronoi areas", "blue-noise": "blue noise", "random": "random"}
 SPACING, LIGHT, AUTOMATIC = "spacing", "light samples", "automatic"
 EXTENT_MM = 40  # largest side of a mesh's box, as the standard cases have them
 SUM_TOLERANCE = 1e-4  # of the hierarchy, so that its error does not count here
@@ -103,7 +103,8 @@ def measure_point_sets(settings, bench, case):
         for number in settings.point_sets:
             bench.measure(NAME, case.name, SERIES[method], "samples", number,
                           lambda: sets.quantities(method, number, bench.repeat),
-                          settings=[settings.point_sets, settings.methods])
+                          settings=[settings.point_sets, settings.methods],
+                          inputs=case.fingerprint())
 
 
 # --- images --------------------------------------------------------------------------------------
@@ -155,7 +156,7 @@ class Images:
 def measure_images(settings, bench, case):
     images = Images(settings, bench, case)
     finest = min(settings.spacings) / 4
-    common = {"settings": dataclasses.asdict(settings)}
+    common = {"settings": dataclasses.asdict(settings), "inputs": case.fingerprint()}
     for spacing in settings.spacings:
         bench.measure(NAME, case.name, SPACING, "spacing / automatic", spacing,
                       lambda: images.quantities(
@@ -238,7 +239,7 @@ def set_words(settings, bench, case):
     return " ".join(sentences)
 
 
-def image_words(settings, bench, case):
+def image_words(bench, case):
     sentences = []
     for series, words_of in ((SPACING, "the spacing"), (LIGHT, "the number of light samples")):
         points = bench.of(NAME, case=case, series=series)
@@ -248,8 +249,8 @@ def image_words(settings, bench, case):
                              f"{law.words()}, from {words.percent(points[0].median('relRMSE'))} to "
                              f"{words.percent(points[-1].median('relRMSE'))}.")
     auto = bench.of(NAME, case=case, series=AUTOMATIC)[0]
-    sentences.append(f"With everything automatic, {words.count(auto.median('samples'))} samples take "
-                     f"{words.seconds(auto.median('seconds'))} for an error of "
+    sentences.append(f"With everything automatic, {words.count(auto.median('samples'))} samples "
+                     f"take {words.seconds(auto.median('seconds'))} for an error of "
                      f"{words.percent(auto.median('relRMSE'))}, light noise included.")
     return " ".join(sentences)
 
@@ -264,18 +265,18 @@ def table_of(settings, bench):
 
 
 def section(settings, bench):
-    text = ("The error that the samples alone make. Kinds of point sets are compared on the exitance "
-            "under parallel light, which has no noise of its own, against samples of ours 16 times "
-            f"as many as the most; meshes are scaled to {EXTENT_MM} mm; times are of placing samples "
-            "and lighting them, by the sweep's own clock, and dart throwing is written plainly: a "
-            "good one would be some times faster. Spacing and light samples are varied through the "
-            "programs: the error is of the layer `multiple` over the pixels that see the body, "
-            "against samples of a quarter of the finest spacing shown (16 times as many) with as "
-            f"many light samples ({settings.many_light_samples}), or against "
+    text = ("The error that the samples alone make. Kinds of point sets are compared on the "
+            "exitance under parallel light, which has no noise of its own, against samples of ours "
+            f"16 times as many as the most; meshes are scaled to {EXTENT_MM} mm; times are of "
+            "placing samples and lighting them, by the sweep's own clock, and dart throwing is "
+            "written plainly: a good one would be some times faster. Spacing and light samples are "
+            "varied through the programs: the error is of the layer `multiple` over the pixels "
+            "that see the body, against samples of a quarter of the finest spacing shown (16 times "
+            f"as many) with as many light samples ({settings.many_light_samples}), or against "
             f"{settings.reference_light_samples} light samples at the same spacing "
             f"({settings.light_spacing:g} automatic ones); there the time is that of pass one's "
             "phases sample, irradiance and octree. Indirect light is left out.\n\n"
-            + "\n\n".join(set_words(settings, bench, case) + " " + image_words(settings, bench, case)
+            + "\n\n".join(f"{set_words(settings, bench, case)} {image_words(bench, case)}"
                           for case in settings.cases))
     return Section("Error of the samples against time", text,
                    plots=[plot for case in settings.cases
