@@ -322,7 +322,8 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
                           accuracy),
             {}});
         bodies[view.object]->march_steps =
-            march_steps(*material, scene.settings, accuracy.tolerance);
+            share_steps(march_steps_of_pixel(*material, scene.settings, accuracy.tolerance),
+                        scene.settings.samples);
         if (material->connection == Connection::exact)
             bodies[view.object]->connections.emplace(geometry.surfaces[view.object],
                                                      material->medium.eta);
