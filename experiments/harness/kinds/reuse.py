@@ -2,9 +2,10 @@
 """What a cache saves: a turntable, other lights and another material from one pass one."""
 import dataclasses
 import functools
+import json
 import statistics
 
-from .. import plots, words
+from .. import plots, programs, words
 from ..caches import CacheOnDemand
 from ..cases import Case, case_named
 from ..images import read_image
@@ -33,7 +34,7 @@ class Settings:
     alone: int = 3  # frames, spread over the turn, that are also rendered each by itself
     light_group: str = "key"
     light_scale: list[float] = dataclasses.field(default_factory=lambda: [1, 0.5, 0.2])
-    medium: str = "skimmilk"  # that the body is changed to
+    medium: str = "skimmilk"  # whose coefficients the body is given
 
     def __post_init__(self):
         for name in self.cases:
@@ -65,14 +66,14 @@ class Scene:
     def pass_one(self, *flags):
         return self.bench.cache(self.case, *self.common(), *flags, name=f"{self.case.name}-anew")
 
-    def pass_two(self, cache, first, last, *flags, case=None):
+    def pass_two(self, cache, first, last, *flags, case=None, material=None):
         """Renders frames; returns the pictures' name, with #### for the frame, and the run."""
         size = self.settings.resolution
         return self.bench.image(
             case or self.case, cache, f"{self.case.name}-turn-####", "--frames", f"{first}-{last}",
             "--samples", self.settings.camera_samples, "--set",
             f"cameras.main.resolution=[{size},{size}]", *self.common(), *flags,
-            layers="multiple")
+            layers="multiple", material=material)
 
     def frames_alone(self):
         count = self.settings.alone
@@ -112,21 +113,32 @@ def frame_seconds(stats):
     return [frame["seconds"] for frame in stats["frames"]]
 
 
+def index_of(case):
+    """The medium's index of refraction: light that has entered depends on it, a cache keeps it."""
+    material = json.loads(case.material())
+    if "eta" in material:
+        return material["eta"]
+    run = programs.run("tallow-material", material["preset"], "--json", stats=False)
+    return json.loads(run.stdout)["eta"]
+
+
 class Change:
     """A changed scene: rendered from the old cache, and from a new one."""
 
     def __init__(self, scene, kind):
         self.scene = scene
         settings = scene.settings
-        self.case, self.flags = scene.case, []
+        self.case, self.flags, self.material = scene.case, [], {}
         if kind == "material":
             self.case = Case(scene.case.figure, settings.medium)
+            self.material = {"eta": index_of(scene.case)}
         else:
             self.flags = ["--set", f"groups.{settings.light_group}.scale="
                                    f"{[float(x) for x in settings.light_scale]}"]
 
     def image(self, cache):
-        path, run = self.scene.pass_two(cache, 0, 0, *self.flags, case=self.case)
+        path, run = self.scene.pass_two(cache, 0, 0, *self.flags, case=self.case,
+                                        material=self.material)
         return read_image(str(path).replace("####", "0000")), run
 
     @functools.cached_property
@@ -135,7 +147,8 @@ class Change:
         seconds, image, command = [], None, ""
         for _ in range(self.scene.bench.repeat):
             cache, first = self.scene.bench.cache(
-                self.case, *self.scene.common(), *self.flags, name=f"{self.scene.case.name}-anew")
+                self.case, *self.scene.common(), *self.flags, name=f"{self.scene.case.name}-anew",
+                material=self.material)
             image, second = self.image(cache)
             seconds.append(first.seconds + second.seconds)
             command = f"{first.command} && {second.command}"
@@ -233,15 +246,16 @@ def table_of(settings, bench):
 
 def section(settings, bench):
     size = settings.resolution
-    text = (f"One cache serves every camera, light colour and medium. A turntable of "
-            f"{settings.frames} frames is rendered with {size} x {size} pixels and "
-            f"{settings.camera_samples} camera rays a pixel: by one process, by a process a frame, "
-            f"and with both passes for each frame (the last two on {settings.alone} frames). Then "
-            f"the light's colour is scaled by {settings.light_scale}, and the body made of "
-            f"{settings.medium}, while the cache stays. Times are of whole processes. Indirect "
-            "light is left out: where it is computed, a cache belongs to its medium. A cache that "
-            "was made for another medium has that one's spacing; what this costs is the difference "
-            "from a new one.\n\n"
+    text = ("One cache serves every camera, light colour and medium of the same index of "
+            f"refraction. A turntable of {settings.frames} frames is rendered with {size} x {size} "
+            f"pixels and {settings.camera_samples} camera rays a pixel: by one process, by a "
+            "process a frame, and with both passes for each frame (the last two on "
+            f"{settings.alone} frames). Then the light's colour is scaled by "
+            f"{settings.light_scale}, and the body given the coefficients of {settings.medium}, "
+            "while the cache stays. Times are of whole processes. Indirect light is left out: "
+            "where it is computed, a cache belongs to its medium. A cache that was made for "
+            "another medium has that one's spacing; what this costs is the difference from a new "
+            "one.\n\n"
             + "\n\n".join(" ".join([turn_words(settings, bench, case),
                                     *(change_words(settings, bench, case, parameter)
                                       for parameter in CHANGES.values())])
