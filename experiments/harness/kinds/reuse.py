@@ -128,13 +128,16 @@ class Change:
     def __init__(self, scene, kind):
         self.scene = scene
         settings = scene.settings
-        self.case, self.flags, self.material = scene.case, [], {}
+        self.kind, self.case, self.flags = kind, scene.case, []
         if kind == "material":
             self.case = Case(scene.case.figure, settings.medium)
-            self.material = {"eta": index_of(scene.case)}
         else:
             self.flags = ["--set", f"groups.{settings.light_group}.scale="
                                    f"{[float(x) for x in settings.light_scale]}"]
+
+    @functools.cached_property
+    def material(self):
+        return {"eta": index_of(self.scene.case)} if self.kind == "material" else {}
 
     def image(self, cache):
         path, run = self.scene.pass_two(cache, 0, 0, *self.flags, case=self.case,
