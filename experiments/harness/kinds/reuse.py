@@ -29,7 +29,7 @@ FRAME = "frame"
 class Settings:
     cases: list[str] = dataclasses.field(default_factory=lambda: ["sphere-marble"])
     frames: int = 36
-    resolution: int = 256
+    resolution: int = 128
     camera_samples: int = 4
     alone: int = 3  # frames, spread over the turn, that are also rendered each by itself
     light_group: str = "key"
@@ -51,20 +51,16 @@ class Settings:
 # --- measuring -----------------------------------------------------------------------------------
 
 class Scene:
-    """A case on its turntable. Indirect light is left out: it would tie the cache to the medium."""
+    """A case on its turntable; `flags` are for both passes."""
 
-    def __init__(self, settings, bench, case):
+    def __init__(self, settings, bench, case, name, *flags):
         self.settings, self.bench, self.case = settings, bench, case
-        self.cache = CacheOnDemand(bench, case, *self.common())
+        self.flags = ["--set", f"cameras.main.turntable={{frames: {settings.frames}, "
+                               "axis: [0, 1, 0], degrees: 360}", *flags]
+        self.cache = CacheOnDemand(bench, case, *self.flags, name=name)
 
-    def common(self):
-        """What both passes must agree on."""
-        frames = self.settings.frames
-        return ["--set", f"cameras.main.turntable={{frames: {frames}, axis: [0, 1, 0], "
-                         "degrees: 360}", "--set", "settings.bounces=0"]
-
-    def pass_one(self, *flags):
-        return self.bench.cache(self.case, *self.common(), *flags, name=f"{self.case.name}-anew")
+    def pass_one(self):
+        return self.bench.cache(self.case, *self.flags, name=f"{self.case.name}-anew")
 
     def pass_two(self, cache, first, last, *flags, case=None, material=None):
         """Renders frames; returns the pictures' name, with #### for the frame, and the run."""
@@ -72,7 +68,7 @@ class Scene:
         return self.bench.image(
             case or self.case, cache, f"{self.case.name}-turn-####", "--frames", f"{first}-{last}",
             "--samples", self.settings.camera_samples, "--set",
-            f"cameras.main.resolution=[{size},{size}]", *self.common(), *flags,
+            f"cameras.main.resolution=[{size},{size}]", *self.flags, *flags,
             layers="multiple", material=material)
 
     def frames_alone(self):
@@ -150,7 +146,7 @@ class Change:
         seconds, image, command = [], None, ""
         for _ in range(self.scene.bench.repeat):
             cache, first = self.scene.bench.cache(
-                self.case, *self.scene.common(), *self.flags, name=f"{self.scene.case.name}-anew",
+                self.case, *self.scene.flags, *self.flags, name=f"{self.scene.case.name}-anew",
                 material=self.material)
             image, second = self.image(cache)
             seconds.append(first.seconds + second.seconds)
@@ -172,7 +168,9 @@ class Change:
 def measure(settings, bench):
     for name in settings.cases:
         case = case_named(name)
-        scene = Scene(settings, bench, case)
+        scene = Scene(settings, bench, case, f"{name}-turn")
+        # Indirect light would tie the cache to the medium.
+        direct = Scene(settings, bench, case, f"{name}-direct", "--set", "settings.bounces=0")
         common = {"settings": dataclasses.asdict(settings), "inputs": case.fingerprint()}
         for series, how in ((TOGETHER, scene.together), (APART, scene.apart),
                             (FROM_NOTHING, scene.from_nothing)):
@@ -180,7 +178,7 @@ def measure(settings, bench):
         for k in range(settings.frames):
             bench.measure(NAME, name, TOGETHER, FRAME, k, lambda: scene.frame(k), **common)
         for kind, parameter in CHANGES.items():
-            change = Change(scene, kind)
+            change = Change(direct if kind == "material" else scene, kind)
             value = settings.medium if kind == "material" else str(settings.light_scale)
             for series, how in ((ANEW, change.anew), (KEPT, change.kept)):
                 bench.measure(NAME, name, series, parameter, value, how, **common)
@@ -255,8 +253,8 @@ def section(settings, bench):
             "process a frame, and with both passes for each frame (the last two on "
             f"{settings.alone} frames). Then the light's colour is scaled by "
             f"{settings.light_scale}, and the body given the coefficients of {settings.medium}, "
-            "while the cache stays. Times are of whole processes. Indirect light is left out: "
-            "where it is computed, a cache belongs to its medium. A cache that was made for "
+            "while the cache stays. Times are of whole processes. For another medium indirect "
+            "light is left out: where it is computed, it belongs to the medium. A cache made for "
             "another medium has that one's spacing; what this costs is the difference from a new "
             "one.\n\n"
             + "\n\n".join(" ".join([turn_words(settings, bench, case),
