@@ -176,7 +176,7 @@ def parse(words):
                         help="write the FLIP map of the first layer")
     parser.add_argument("--fail-above", type=float, metavar="RELRMSE",
                         help="exit with 1 if a layer's relRMSE over all channels is above this")
-    return parser.parse_args(words)
+    return parser.parse_args(list(words))
 
 
 def positive_int(text):
@@ -207,8 +207,9 @@ def run(arguments):
     return 0
 
 
-def main():
-    arguments = parse(sys.argv[1:])
+def main(words):
+    """Exit code for these command-line words."""
+    arguments = parse(words)
     try:
         return run(arguments)
     except InputError as error:
@@ -220,4 +221,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

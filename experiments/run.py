@@ -98,8 +98,9 @@ def check_published():
     return 1 if stale else 0
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False,
+def main(words):
+    """Exit code for these command-line words."""
+    parser = argparse.ArgumentParser(prog="run.py", description=__doc__, allow_abbrev=False,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("suite", nargs="?")
     parser.add_argument("--output", type=pathlib.Path)
@@ -107,7 +108,7 @@ def main():
     parser.add_argument("--fresh", action="store_true", help="measure everything again")
     parser.add_argument("--needs", action="store_true")
     parser.add_argument("--check-published", action="store_true")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(list(words))
     if not arguments.suite and not arguments.check_published:
         parser.error("expected a suite")
     try:
@@ -139,4 +140,4 @@ def act(arguments):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -29,6 +29,7 @@ class LayeredImage:
 
 def read_image(path):
     """All layers of an EXR file. Throws InputError for a file that is none."""
+    _require_exr(path)
     try:
         with OpenEXR.File(str(path), separate_channels=True) as file:
             channels = {name: numpy.array(channel.pixels, dtype=numpy.float32)
@@ -40,6 +41,17 @@ def read_image(path):
         raise InputError(f"{path}: no channels")
     coverage = channels.get("A", numpy.ones(next(iter(channels.values())).shape, numpy.float32))
     return LayeredImage(_layers(channels), coverage, header)
+
+
+def _require_exr(path):
+    """Throws before the library does, which would print words of its own."""
+    try:
+        with open(path, "rb") as file:
+            magic = file.read(4)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    if magic != b"\x76\x2f\x31\x01":
+        raise InputError(f"{path}: not an EXR file")
 
 
 def _layers(channels):

@@ -9,11 +9,14 @@ class Journal:
     def __init__(self, path):
         self.path = path
         self.results = {}
+        self.ends_within_line = False  # we were killed while we wrote
         if path.exists():
-            for line in path.read_text(encoding="utf-8").splitlines():
+            text = path.read_text(encoding="utf-8")
+            self.ends_within_line = bool(text) and not text.endswith("\n")
+            for line in text.splitlines():
                 try:
                     entry = json.loads(line)
-                except json.JSONDecodeError:  # the line that was being written when we were killed
+                except json.JSONDecodeError:  # half a line
                     continue
                 self.results[self._key(entry["of"])] = entry["result"]
 
@@ -27,6 +30,8 @@ class Journal:
         if key not in self.results:
             result = measure()
             with open(self.path, "a", encoding="utf-8") as file:
-                file.write(json.dumps({"of": identity, "result": result}) + "\n")
+                file.write(("\n" if self.ends_within_line else "")
+                           + json.dumps({"of": identity, "result": result}) + "\n")
+            self.ends_within_line = False
             self.results[key] = result
         return self.results[key]

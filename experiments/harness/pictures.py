@@ -90,18 +90,19 @@ PARTS = {"ours": "ours", "reference": "reference", "difference": "(ours - refere
          "flip": "FLIP"}
 
 
-def strip(folder, name, image, reference, mask, limit):
+def strip(folder, name, image, reference, mask, flip, limit):
     """Writes four pictures of (h, w, 3) as FOLDER/NAME-PART.png, a PART of PARTS each.
 
     Ours and the reference at the exposure that suits the reference; the signed difference in
-    +-limit times the reference's mean, so that strips with one limit share a scale; FLIP.
+    +-limit times the reference's mean, so that strips with one limit share a scale; the map `flip`
+    of metrics.flip().
     """
     paths = {part: folder / f"{name}-{part}.png" for part in PARTS}
     exposure = exposure_for(reference, mask)
     save_linear(image, paths["ours"], exposure)
     save_linear(reference, paths["reference"], exposure)
     save_difference(relative_difference(image, reference, mask), mask, paths["difference"], limit)
-    save_flip(metrics.flip(image, reference, mask)[1], mask, paths["flip"])
+    save_flip(flip, mask, paths["flip"])
 
 
 def row(folder, name, title):

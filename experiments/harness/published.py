@@ -11,7 +11,7 @@ experiments/published.yaml says what stands between, from docs/results/SUITE/res
         fast: {of: {experiment: total, case: bunny-marble, series: tallow}, quantity: seconds,
                at: {relRMSE: 0.1}, format: seconds}     # interpolated along the series
         slow: {of: {experiment: total, series: other, value: 64}, quantity: seconds, format: seconds}
-        ratio: {quotient: [slow, fast], format: factor}
+        ratio: {quotient: [slow, fast], format: number}
     OTHER:
       suite: full
       table: {of: {experiment: model, value: everything}, rows: case, columns: series,
@@ -26,6 +26,7 @@ import re
 import shutil
 import typing
 
+from . import words
 from .cases import ROOT
 from .suite import InputError, checked, read_yaml
 
@@ -33,29 +34,8 @@ BEGIN = re.compile(r"<!-- results: ([\w-]+) -->\s*$")
 END = "<!-- /results -->"
 
 
-def _percent(number):
-    return f"{100 * number:.2g} %"
-
-
-def _seconds(number):
-    """Two digits: 35 ms, 1.2 s, 140 s, 5.6 h."""
-    for unit, size, below in (("µs", 1e-6, 1e-3), ("ms", 1e-3, 1), ("s", 1, 600), ("min", 60, 7200),
-                              ("h", 3600, math.inf)):
-        if number < below:
-            return f"{_digits(number / size)} {unit}"
-    raise ValueError(number)
-
-
-def _digits(number):
-    """Two significant digits, without an exponent."""
-    if number == 0:
-        return "0"
-    places = 1 - math.floor(math.log10(abs(number)))
-    return f"{round(number, places):.{max(0, places)}f}"
-
-
-FORMATS = {"percent": _percent, "seconds": _seconds, "factor": _digits, "number": _digits,
-           "mib": lambda number: f"{_digits(number)} MiB", "integer": lambda n: f"{n:.0f}"}
+FORMATS = {"percent": words.percent, "seconds": words.seconds, "number": words.significant,
+           "memory": words.memory, "count": words.count}
 Format = typing.Literal[tuple(FORMATS)]
 
 

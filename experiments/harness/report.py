@@ -8,6 +8,7 @@ import base64
 import html
 import io
 import pathlib
+import re
 
 from matplotlib import rc_context
 
@@ -107,8 +108,12 @@ def _section(number, section, folder, origin):
 
 
 def _paragraphs(text):
-    return "".join(f"<p>{html.escape(' '.join(part.split()))}</p>\n"
-                   for part in text.split("\n\n") if part.strip())
+    return "".join(f"<p>{_prose(part)}</p>\n" for part in text.split("\n\n") if part.strip())
+
+
+def _prose(text):
+    """Escaped text; what stands between backticks is code."""
+    return re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(" ".join(text.split())))
 
 
 def _plot(plot, folder, origin):
@@ -124,7 +129,7 @@ def _plot(plot, folder, origin):
     return (f'<figure class="plot" id="{html.escape(plot.name)}">\n'
             f'<img alt="{html.escape(plot.caption)}" '
             f'src="{_data_uri("image/svg+xml", drawing.getvalue())}">\n'
-            f'<figcaption>{html.escape(plot.caption)} (<a href="{html.escape(png)}">PNG</a>)'
+            f'<figcaption>{_prose(plot.caption)} (<a href="{html.escape(png)}">PNG</a>)'
             f'<div class="origin">{origin}{measured}</div></figcaption>\n</figure>')
 
 
@@ -139,7 +144,7 @@ def _pictures(row):
 def _table(table):
     head = "".join(f"<th>{html.escape(str(column))}</th>" for column in table.columns)
     rows = "\n".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in table.rows)
-    return (f'<figure class="table"><figcaption>{html.escape(table.caption)}</figcaption>\n'
+    return (f'<figure class="table"><figcaption>{_prose(table.caption)}</figcaption>\n'
             f'<div class="scrolls"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n'
             "</tbody>\n</table></div></figure>")
 

@@ -28,7 +28,7 @@ class Table:
 @dataclasses.dataclass
 class Section:
     title: str
-    text: str        # paragraphs of plain text, parted by empty lines; no HTML
+    text: str        # paragraphs, parted by empty lines; plain text and `code`, no HTML
     plots: list = dataclasses.field(default_factory=list)
     pictures: list = dataclasses.field(default_factory=list)  # of rows: lists of Picture
     tables: list = dataclasses.field(default_factory=list)

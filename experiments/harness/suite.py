@@ -93,7 +93,8 @@ def checked(cls, mapping):
     """`mapping` as an instance of the dataclass `cls`.
 
     A key that `cls` does not have, a value of another type, or a missing one without a default is
-    an InputError that names the place; so is what cls.CHECKS[key](value), if there is one, throws.
+    an InputError that names the place; so is a BadValue
+    or InputError that cls throws when it is made.
     """
     if not isinstance(mapping, Mapping):
         raise InputError(f"expected a mapping for {cls.__name__}, got {mapping!r}")
@@ -106,7 +107,6 @@ def checked(cls, mapping):
         if not _is_a(value, types[key]):
             raise InputError(f"{mapping.where(key)}: {key}: expected {_name(types[key])}, "
                              f"got {value!r}")
-        _check_further(cls, mapping, key)
     for name, field in fields.items():
         required = field.default is dataclasses.MISSING
         if required and field.default_factory is dataclasses.MISSING and name not in mapping:
@@ -115,13 +115,9 @@ def checked(cls, mapping):
         return cls(**mapping)
     except BadValue as bad:
         raise InputError(f"{mapping.where(bad.key)}: {bad}") from None
-
-
-def _check_further(cls, mapping, key):
-    try:
-        getattr(cls, "CHECKS", {}).get(key, lambda _: None)(mapping[key])
     except InputError as error:
-        raise InputError(f"{mapping.where(key)}: {key}: {error}") from None
+        key = next((key for key in ("cases", "case") if key in mapping), None)
+        raise InputError(f"{mapping.where(key)}: {key or cls.__name__}: {error}") from None
 
 
 def _is_a(value, kind):
@@ -161,11 +157,19 @@ class Suite:
     repeat: int = 3        # runs behind each time; medians, least and most are reported
     publish: bool = False  # whether docs/results and README's generated numbers come from it
 
+    def __post_init__(self):
+        require(self, "repeat", "an integer of at least 1", lambda n: n >= 1)
+        require(self, "experiments", "at least one", bool)
+
 
 def read_suite(path: pathlib.Path) -> Suite:
-    suite = checked(Suite, read_yaml(path))
+    """A suite's file, checked but for the settings of its experiments."""
+    mapping = read_yaml(path)
+    if not isinstance(mapping, Mapping):
+        raise InputError(f"{path}: expected a mapping with a title and experiments")
+    suite = checked(Suite, mapping)
     for experiment in suite.experiments:
-        if not isinstance(experiment, Mapping) or "kind" not in experiment:
-            raise InputError(f"{path}: experiments: expected mappings with a `kind`, "
-                             f"got {experiment!r}")
+        if not isinstance(experiment, Mapping) or not isinstance(experiment.get("kind"), str):
+            raise InputError(f"{mapping.where('experiments')}: experiments: expected mappings with "
+                             f"a `kind`, got {experiment!r}")
     return suite

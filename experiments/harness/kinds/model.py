@@ -8,6 +8,7 @@ from .. import metrics, pictures, plots
 from ..cases import Case, cases_named
 from ..images import read_image
 from ..section import Plot, Section, Table
+from ..suite import require, require_each
 
 # What a material says to be of a model. "classic" is what Jensen & Buhler published.
 MODELS = {
@@ -41,15 +42,26 @@ class Settings:
     tolerance: float = 0.003      # of the hierarchy and of the sampling, each
     samples: int = 64             # camera rays a pixel
     difference_limit: float = 0.5  # end of the scale of difference pictures, of the mean
-    CHECKS: typing.ClassVar = {"cases": cases_named}
+
+    def __post_init__(self):
+        cases_named(self.cases)
+        require_each(self, "models", lambda _: True, "models")
+        require_each(self, "on and off", lambda _: True, "indirect")
+        require(self, "tolerance", "a number in (0, 1)", lambda t: 0 < t < 1)
+        require(self, "samples", "an integer in [1, 65536]", lambda n: 1 <= n <= 65536)
+        require(self, "difference_limit", "a number above 0", lambda x: x > 0)
 
 
 def series_of(model, indirect):
     return model if indirect == "on" else f"{model}, no indirect light"
 
 
+def pairs_of(settings):
+    return [(model, indirect) for model in settings.models for indirect in settings.indirect]
+
+
 def all_series(settings):
-    return [series_of(m, i) for m in settings.models for i in settings.indirect]
+    return [series_of(model, indirect) for model, indirect in pairs_of(settings)]
 
 
 def measure(settings, bench):
@@ -58,9 +70,8 @@ def measure(settings, bench):
             bench.say(f"model: {case.name}: no reference {case.reference}")
             continue
         reference = read_image(case.reference)
-        for model in settings.models:
-            for indirect in settings.indirect:
-                _Comparison(settings, bench, case, reference, model, indirect).measure()
+        for model, indirect in pairs_of(settings):
+            _Comparison(settings, bench, case, reference, model, indirect).measure()
 
 
 @dataclasses.dataclass
@@ -86,6 +97,12 @@ class _Comparison:
                                      material=MODELS[self.model])
         return read_image(path), run.command
 
+    @functools.cached_property
+    def flip(self):
+        """Mean and map of FLIP of everything that scattered."""
+        return metrics.flip(_sum(self.rendered[0], "multiple+single"), self.reference[""],
+                            metrics.body_mask(self.reference))
+
     def _flags(self):
         """Flags of pass one and of pass two."""
         tolerance = ["--tolerance", str(self.settings.tolerance)]
@@ -108,14 +125,15 @@ class _Comparison:
         i, r = _sum(image, ours), _sum(self.reference, theirs)
         mask = metrics.body_mask(self.reference)
         numbers = metrics.compare(i, r, mask, _variance(self.reference, theirs), BLOCK)
-        numbers["flip"], _ = metrics.flip(i, r, mask)
+        if layer == "everything":
+            numbers["flip"] = self.flip[0]
         return {name: [number] for name, number in numbers.items()}, command
 
     def _draw(self):
         image, _ = self.rendered
         pictures.strip(self.bench.folder / "pictures", self.name, _sum(image, "multiple+single"),
                        self.reference[""], metrics.body_mask(self.reference),
-                       self.settings.difference_limit)
+                       self.flip[1], self.settings.difference_limit)
 
 
 def _sum(image, layers):
@@ -154,8 +172,8 @@ def section(settings, bench):
                  f"{', '.join(missing)}.")
     known = [case for case in cases if case.reference.exists()]
     return Section("Model error against volumetric truth", text, _plots(settings, known, points),
-                   [_pictures(settings, bench, case, s) for case in known
-                    for s in _pictured(settings)],
+                   [_pictures(bench, case, *pair) for case in known
+                    for pair in pairs_of(settings)],
                    [_table(points, layer) for layer in LAYERS if points])
 
 
@@ -183,17 +201,13 @@ def _table(points, layer):
         return 100 * point.median(quantity) if quantity in point.quantities else None
 
     rows = [[p.case, p.series, *(percent(p, q) for q in ("relRMSE", "bias", "p99", "max", "noise")),
-             p.median("flip")] for p in points if p.value == layer]
+             p.median("flip") if "flip" in p.quantities else None]
+            for p in points if p.value == layer]
     return Table(["case", "model", "relRMSE %", "bias %", "p99 (2 x 2) %", "max (2 x 2) %",
                   "reference's noise %", "FLIP"], rows,
                  f"{layer}: our {LAYERS[layer][0]} against the reference")
 
 
-def _pictured(settings):
-    return [(model, indirect) for model in settings.models for indirect in settings.indirect]
-
-
-def _pictures(settings, bench, case, pictured):
-    model, indirect = pictured
+def _pictures(bench, case, model, indirect):
     return pictures.row(bench.folder / "pictures", f"{case.name}-{model}-indirect-{indirect}",
                         f"{case.name}: {series_of(model, indirect)}")
