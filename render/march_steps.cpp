@@ -42,12 +42,11 @@ int march_steps_of_pixel(Model model, const Medium& medium, double tolerance) {
     return steps;
 }
 
-MarchSteps march_steps(const SubsurfaceMaterial& material, const Settings& settings,
-                       double tolerance) {
-    const int steps = settings.single_scattering_depths
-                          ? *settings.single_scattering_depths
-                          : march_steps_of_pixel(material.model, material.medium, tolerance);
-    return {std::max(1, steps / settings.samples), std::max(steps, settings.samples)};
+int march_steps_of_pixel(const SubsurfaceMaterial& material, const Settings& settings,
+                         double tolerance) {
+    return settings.single_scattering_depths
+               ? *settings.single_scattering_depths
+               : march_steps_of_pixel(material.model, material.medium, tolerance);
 }
 
 }  // namespace tallow

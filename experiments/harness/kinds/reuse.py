@@ -2,9 +2,10 @@
 """What a cache saves: a turntable, other lights and another material from one pass one."""
 import dataclasses
 import functools
+import json
 import statistics
 
-from .. import plots, words
+from .. import plots, programs, words
 from ..caches import CacheOnDemand
 from ..cases import Case, case_named
 from ..images import read_image
@@ -28,12 +29,12 @@ FRAME = "frame"
 class Settings:
     cases: list[str] = dataclasses.field(default_factory=lambda: ["sphere-marble"])
     frames: int = 36
-    resolution: int = 256
+    resolution: int = 128
     camera_samples: int = 4
     alone: int = 3  # frames, spread over the turn, that are also rendered each by itself
     light_group: str = "key"
     light_scale: list[float] = dataclasses.field(default_factory=lambda: [1, 0.5, 0.2])
-    medium: str = "skimmilk"  # that the body is changed to
+    medium: str = "skimmilk"  # whose coefficients the body is given
 
     def __post_init__(self):
         for name in self.cases:
@@ -50,29 +51,25 @@ class Settings:
 # --- measuring -----------------------------------------------------------------------------------
 
 class Scene:
-    """A case on its turntable. Indirect light is left out: it would tie the cache to the medium."""
+    """A case on its turntable; `flags` are for both passes."""
 
-    def __init__(self, settings, bench, case):
+    def __init__(self, settings, bench, case, name, *flags):
         self.settings, self.bench, self.case = settings, bench, case
-        self.cache = CacheOnDemand(bench, case, *self.common())
+        self.flags = ["--set", f"cameras.main.turntable={{frames: {settings.frames}, "
+                               "axis: [0, 1, 0], degrees: 360}", *flags]
+        self.cache = CacheOnDemand(bench, case, *self.flags, name=name)
 
-    def common(self):
-        """What both passes must agree on."""
-        frames = self.settings.frames
-        return ["--set", f"cameras.main.turntable={{frames: {frames}, axis: [0, 1, 0], "
-                         "degrees: 360}", "--set", "settings.bounces=0"]
+    def pass_one(self):
+        return self.bench.cache(self.case, *self.flags, name=f"{self.case.name}-anew")
 
-    def pass_one(self, *flags):
-        return self.bench.cache(self.case, *self.common(), *flags, name=f"{self.case.name}-anew")
-
-    def pass_two(self, cache, first, last, *flags, case=None):
+    def pass_two(self, cache, first, last, *flags, case=None, material=None):
         """Renders frames; returns the pictures' name, with #### for the frame, and the run."""
         size = self.settings.resolution
         return self.bench.image(
             case or self.case, cache, f"{self.case.name}-turn-####", "--frames", f"{first}-{last}",
             "--samples", self.settings.camera_samples, "--set",
-            f"cameras.main.resolution=[{size},{size}]", *self.common(), *flags,
-            layers="multiple")
+            f"cameras.main.resolution=[{size},{size}]", *self.flags, *flags,
+            layers="multiple", material=material)
 
     def frames_alone(self):
         count = self.settings.alone
@@ -112,21 +109,35 @@ def frame_seconds(stats):
     return [frame["seconds"] for frame in stats["frames"]]
 
 
+def index_of(case):
+    """The medium's index of refraction: light that has entered depends on it, a cache keeps it."""
+    material = json.loads(case.material())
+    if "eta" in material:
+        return material["eta"]
+    run = programs.run("tallow-material", material["preset"], "--json", stats=False)
+    return json.loads(run.stdout)["eta"]
+
+
 class Change:
     """A changed scene: rendered from the old cache, and from a new one."""
 
     def __init__(self, scene, kind):
         self.scene = scene
         settings = scene.settings
-        self.case, self.flags = scene.case, []
+        self.kind, self.case, self.flags = kind, scene.case, []
         if kind == "material":
             self.case = Case(scene.case.figure, settings.medium)
         else:
             self.flags = ["--set", f"groups.{settings.light_group}.scale="
                                    f"{[float(x) for x in settings.light_scale]}"]
 
+    @functools.cached_property
+    def material(self):
+        return {"eta": index_of(self.scene.case)} if self.kind == "material" else {}
+
     def image(self, cache):
-        path, run = self.scene.pass_two(cache, 0, 0, *self.flags, case=self.case)
+        path, run = self.scene.pass_two(cache, 0, 0, *self.flags, case=self.case,
+                                        material=self.material)
         return read_image(str(path).replace("####", "0000")), run
 
     @functools.cached_property
@@ -135,7 +146,8 @@ class Change:
         seconds, image, command = [], None, ""
         for _ in range(self.scene.bench.repeat):
             cache, first = self.scene.bench.cache(
-                self.case, *self.scene.common(), *self.flags, name=f"{self.scene.case.name}-anew")
+                self.case, *self.scene.flags, *self.flags, name=f"{self.scene.case.name}-anew",
+                material=self.material)
             image, second = self.image(cache)
             seconds.append(first.seconds + second.seconds)
             command = f"{first.command} && {second.command}"
@@ -156,7 +168,9 @@ class Change:
 def measure(settings, bench):
     for name in settings.cases:
         case = case_named(name)
-        scene = Scene(settings, bench, case)
+        scene = Scene(settings, bench, case, f"{name}-turn")
+        # Indirect light would tie the cache to the medium.
+        direct = Scene(settings, bench, case, f"{name}-direct", "--set", "settings.bounces=0")
         common = {"settings": dataclasses.asdict(settings), "inputs": case.fingerprint()}
         for series, how in ((TOGETHER, scene.together), (APART, scene.apart),
                             (FROM_NOTHING, scene.from_nothing)):
@@ -164,7 +178,7 @@ def measure(settings, bench):
         for k in range(settings.frames):
             bench.measure(NAME, name, TOGETHER, FRAME, k, lambda: scene.frame(k), **common)
         for kind, parameter in CHANGES.items():
-            change = Change(scene, kind)
+            change = Change(direct if kind == "material" else scene, kind)
             value = settings.medium if kind == "material" else str(settings.light_scale)
             for series, how in ((ANEW, change.anew), (KEPT, change.kept)):
                 bench.measure(NAME, name, series, parameter, value, how, **common)
@@ -233,15 +247,16 @@ def table_of(settings, bench):
 
 def section(settings, bench):
     size = settings.resolution
-    text = (f"One cache serves every camera, light colour and medium. A turntable of "
-            f"{settings.frames} frames is rendered with {size} x {size} pixels and "
-            f"{settings.camera_samples} camera rays a pixel: by one process, by a process a frame, "
-            f"and with both passes for each frame (the last two on {settings.alone} frames). Then "
-            f"the light's colour is scaled by {settings.light_scale}, and the body made of "
-            f"{settings.medium}, while the cache stays. Times are of whole processes. Indirect "
-            "light is left out: where it is computed, a cache belongs to its medium. A cache that "
-            "was made for another medium has that one's spacing; what this costs is the difference "
-            "from a new one.\n\n"
+    text = ("One cache serves every camera, light colour and medium of the same index of "
+            f"refraction. A turntable of {settings.frames} frames is rendered with {size} x {size} "
+            f"pixels and {settings.camera_samples} camera rays a pixel: by one process, by a "
+            "process a frame, and with both passes for each frame (the last two on "
+            f"{settings.alone} frames). Then the light's colour is scaled by "
+            f"{settings.light_scale}, and the body given the coefficients of {settings.medium}, "
+            "while the cache stays. Times are of whole processes. For another medium indirect "
+            "light is left out: where it is computed, it belongs to the medium. A cache made for "
+            "another medium has that one's spacing; what this costs is the difference from a new "
+            "one.\n\n"
             + "\n\n".join(" ".join([turn_words(settings, bench, case),
                                     *(change_words(settings, bench, case, parameter)
                                       for parameter in CHANGES.values())])
