@@ -88,8 +88,7 @@ def variance_of(text, path, image, name):
         return None
     if text != "auto":
         return one_layer(image, path, text)
-    guess = "variance" if name == PICTURE else f"{name}_variance"
-    return one_layer(image, path, guess) if guess in image else None
+    return image.variance("+".join("" if n == PICTURE else n for n in name.split("+")))
 
 
 def rows_of(arguments, images, mask):

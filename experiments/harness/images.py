@@ -21,6 +21,19 @@ class LayeredImage:
     def __contains__(self, name):
         return name in self.layers
 
+    def sum(self, names):
+        """The sum of layers whose names are joined by "+"."""
+        return sum(self.layers[name] for name in names.split("+"))
+
+    def variance(self, names):
+        """Variance of sum(names), or None if the file does not have it for each layer.
+
+        It stands in "variance" for "" and in "NAME_variance" for others. A sum's is the sum of
+        variances: the covariance of two layers, whose paths may share a walk, is not in the file.
+        """
+        keys = [f"{name}_variance" if name else "variance" for name in names.split("+")]
+        return sum(self.layers[k] for k in keys) if all(k in self.layers for k in keys) else None
+
     @property
     def size(self):
         """Width and height."""

@@ -151,7 +151,8 @@ def _table(table):
 
 def _cell(value):
     if isinstance(value, str):
-        return f"<td>{html.escape(value)}</td>"
+        kind = ' class="short"' if len(value) < 14 else ""
+        return f"<td{kind}>{html.escape(value)}</td>"
     return f'<td class="number">{"–" if value is None else f"{value:.4g}"}</td>'
 
 

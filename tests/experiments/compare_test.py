@@ -70,6 +70,16 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(clean["noise"], 0.1, delta=0.001)
         self.assertNotIn("noise", noisy)
 
+    def test_variances_of_a_sum_of_layers_add_up(self):
+        a = self.write("a.exr", {"multiple": flat(2)})
+        layers = {"multi": flat(1), "ext": flat(1), "multi_variance": flat(0.03)}
+        b = self.write("b.exr", {**layers, "ext_variance": flat(0.01)})
+        half = self.write("half.exr", layers)
+        options = "--layers", "multiple=multi+ext", "--variance", "auto"
+        row = self.rows(a, b, *options)["multiple=multi+ext", "all"]
+        self.assertAlmostEqual(row["noise"], 0.2 / 2, 6)
+        self.assertNotIn("noise", self.rows(a, half, *options)["multiple=multi+ext", "all"])
+
     def test_noise_larger_than_the_error_leaves_zero(self):
         a = self.write("a.exr", {"": flat(1.05)})
         b = self.write("b.exr", {"": flat(1), "variance": flat(0.01)})

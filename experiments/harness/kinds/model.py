@@ -100,7 +100,7 @@ class _Comparison:
     @functools.cached_property
     def flip(self):
         """Mean and map of FLIP of everything that scattered."""
-        return metrics.flip(_sum(self.rendered[0], "multiple+single"), self.reference[""],
+        return metrics.flip(self.rendered[0].sum("multiple+single"), self.reference[""],
                             metrics.body_mask(self.reference))
 
     def _flags(self):
@@ -122,32 +122,18 @@ class _Comparison:
     def _numbers(self, layer):
         image, command = self.rendered
         ours, theirs = LAYERS[layer][0], LAYERS[layer][1][self.indirect]
-        i, r = _sum(image, ours), _sum(self.reference, theirs)
+        i, r = image.sum(ours), self.reference.sum(theirs)
         mask = metrics.body_mask(self.reference)
-        numbers = metrics.compare(i, r, mask, _variance(self.reference, theirs), BLOCK)
+        numbers = metrics.compare(i, r, mask, self.reference.variance(theirs), BLOCK)
         if layer == "everything":
             numbers["flip"] = self.flip[0]
         return {name: [number] for name, number in numbers.items()}, command
 
     def _draw(self):
         image, _ = self.rendered
-        pictures.strip(self.bench.folder / "pictures", self.name, _sum(image, "multiple+single"),
+        pictures.strip(self.bench.folder / "pictures", self.name, image.sum("multiple+single"),
                        self.reference[""], metrics.body_mask(self.reference),
                        self.flip[1], self.settings.difference_limit)
-
-
-def _sum(image, layers):
-    return sum(image[name] for name in layers.split("+"))
-
-
-def _variance(reference, layers):
-    """Variance of a sum of the reference's layers, or None if it has none.
-
-    A sum's is the sum of variances: the covariance of two layers, whose paths may share a walk, is
-    not in the file. The picture as a whole has a variance of its own.
-    """
-    names = [f"{name}_variance" if name else "variance" for name in layers.split("+")]
-    return sum(reference[n] for n in names) if all(n in reference for n in names) else None
 
 
 TEXT = """
