@@ -53,7 +53,8 @@ class Case:
 def all_cases():
     """Every figure in every medium, figures one after another."""
     figures = sorted(file.stem for file in CASES.glob("*.yaml") if file.stem != "media")
-    return [Case(figure, medium) for figure in figures for medium in read_yaml(CASES / "media.yaml")]
+    media = read_yaml(CASES / "media.yaml")
+    return [Case(figure, medium) for figure in figures for medium in media]
 
 
 def cases_named(names):

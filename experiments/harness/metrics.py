@@ -17,7 +17,7 @@ def body_mask(image):
 
 
 def relative_noise(variance, reference, mask):
-    """relRMSE that an image of `reference`'s expectation would measure against it by noise alone."""
+    """relRMSE that an image of `reference`'s expectation measures against it by noise alone."""
     return float(numpy.sqrt(numpy.mean(variance[mask])) / numpy.mean(reference[mask]))
 
 

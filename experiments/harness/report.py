@@ -19,28 +19,29 @@ from .metrics import SEES_BODY
 STYLE = (pathlib.Path(__file__).parent / "report.css").read_text(encoding="utf-8")
 
 METHODS = f"""
-relRMSE is the square root of the mean square difference, divided by the mean of the reference. Bias \
-is the mean difference, divided by the same mean: negative where we are too dark. p99 and max are the \
-99th percentile and the largest of the relative error |I - R| / max(R, 0.01 mean R). All are over \
-all three channels and over the pixels of which at least {SEES_BODY * 100:g} % shows the body (the \
-reference's coverage A).
+relRMSE is the square root of the mean square difference, divided by the mean of the reference. \
+Bias is the mean difference, divided by the same mean: negative where we are too dark. p99 and \
+max are the 99th percentile and the largest of the relative error |I - R| / max(R, 0.01 mean R). \
+All are over all three channels and over the pixels of which at least {SEES_BODY * 100:g} % \
+shows the body (the reference's coverage A).
 
-A reference that was made by chance has noise of its own. It comes with the variance of each pixel; \
-the mean of that is taken off the mean square difference before the root is drawn. What is left is \
-never below zero. p99, max and FLIP keep the noise, as no rule takes it off them; where a report says \
-2 x 2, they are measured on averages of 2 x 2 pixels, which halves it. Bias needs no correction.
+A reference that was made by chance has noise of its own. It comes with the variance of each \
+pixel; the mean of that is taken off the mean square difference before the root is drawn. What \
+is left is never below zero. p99, max and FLIP keep the noise, as no rule takes it off them; \
+where a report says 2 x 2, they are measured on averages of 2 x 2 pixels, which halves it. Bias \
+needs no correction.
 
-FLIP is HDR-FLIP [Andersson et al. 2021], the mean over the same pixels, everything else black in \
-both images; its exposures follow the reference's luminance inside the body.
+FLIP is HDR-FLIP [Andersson et al. 2021], the mean over the same pixels, everything else black \
+in both images; its exposures follow the reference's luminance inside the body.
 
 Times are wall time of whole processes unless a plot says otherwise. A point is the median of \
-several runs, its bars go from the least to the most. Solid lines join what was measured; what was \
-not measured is dashed. `experiments/compare.py` measures the same for any two EXR files.
+several runs, its bars go from the least to the most. Solid lines join what was measured; what \
+was not measured is dashed. `experiments/compare.py` measures the same for any two EXR files.
 """
 
 
 def write(suite, sections, bench, command):
-    """Writes report.html and plots/*.png into bench.folder; `command` made them. Returns its path."""
+    """Writes report.html, whose path it returns, and plots/*.png; `command` made them."""
     origin = _origin(command)
     names = [plot.name for section in sections for plot in section.plots]
     if len(set(names)) < len(names):

@@ -37,7 +37,7 @@ def write_exr(path, layers, coverage=None):
 
 
 def run(program, *arguments):
-    """A program of experiments/ as a user runs it, but in this process: exit code, stdout, stderr."""
+    """A program of experiments/ as a user runs it, in this process: exit code, stdout, stderr."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:

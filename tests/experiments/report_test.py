@@ -3,6 +3,7 @@
 
     report_test.py [FOLDER]     where to run the suite; a temporary one otherwise
 """
+import base64
 import html
 import pathlib
 import re
@@ -74,7 +75,8 @@ class Report(unittest.TestCase):
         self.assertTrue(any(f.startswith("plot not drawn") for f in self.faults_of(broken)))
 
     def test_an_empty_plot_is_found(self):
-        svg = "PHN2ZyB4bWxucz0iaHR0cDovL3d3dy53My5vcmcvMjAwMC9zdmciIHdpZHRoPSI0MDAiIGhlaWdodD0iMzAwIi8+"
+        svg = base64.b64encode(b'<svg xmlns="http://www.w3.org/2000/svg" width="400" '
+                               b'height="300"/>').decode()
         empty = re.sub(r"(data:image/svg\+xml;base64,)[^\"]*", r"\1" + svg, self.page, count=1)
         self.assertTrue(any(f.startswith("plot is empty") for f in self.faults_of(empty)))
 

@@ -33,8 +33,8 @@ class Suites(unittest.TestCase):
 
     def test_unknown_kind(self):
         self.assert_fails(GOOD.replace("kind: model", "kind: colour"), "3:5",
-                          "kind: expected one of hierarchy, sampling, model, total, scaling, reuse, "
-                          "single, got 'colour'")
+                          "kind: expected one of hierarchy, sampling, model, total, scaling, "
+                          "reuse, single, got 'colour'")
 
     def test_unknown_key(self):
         self.assert_fails(GOOD + "repeats: 3\n", "5:1", "repeats: unknown key, expected one of "
@@ -49,8 +49,8 @@ class Suites(unittest.TestCase):
                           "samples: expected an integer, got 'many'")
 
     def test_wrong_choice(self):
-        self.assert_fails(GOOD + "    indirect: [on, perhaps]\n", "5:5", "indirect: expected a list, "
-                          "each one of on, off, got ['on', 'perhaps']")
+        self.assert_fails(GOOD + "    indirect: [on, perhaps]\n", "5:5", "indirect: expected a "
+                          "list, each one of on, off, got ['on', 'perhaps']")
 
     def test_value_out_of_range(self):
         self.assert_fails(GOOD + "    tolerance: 0\n", "5:5",
@@ -74,7 +74,8 @@ class Suites(unittest.TestCase):
                           "experiments: expected mappings with a `kind`, got 'model'")
 
     def test_no_yaml(self):
-        self.assert_fails("title: [\n", "2:1", "expected the node content, but found '<stream end>'")
+        self.assert_fails("title: [\n", "2:1",
+                          "expected the node content, but found '<stream end>'")
 
     def test_no_such_suite(self):
         code, _, err = run_process("run.py", "nonsense")
