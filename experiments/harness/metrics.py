@@ -67,10 +67,10 @@ def averaged(pixels, block):
 def flip(image, reference, mask, exposure=None):
     """Mean of FLIP over the mask, and its map (h, w), 0 outside; both images linear, (h, w, 3).
 
-    Without `exposure` HDR-FLIP [Andersson et al. 2021], as a linear image has no exposure of its
+    Without `exposure` HDR-FLIP [ANSA21], as a linear image has no exposure of its
     own: the largest error over a range of exposures. The range is that paper's, but from the
     reference's luminance inside the mask: a black background would stretch it by 20 stops. With
-    `exposure` in stops LDR-FLIP [Andersson et al. 2020] of the two pictures, clipped, in sRGB.
+    `exposure` in stops LDR-FLIP [ANA+20] of the two pictures, clipped, in sRGB.
     Pixels outside the mask are black in both images. 67 pixels a degree of the viewer's eye.
     """
     inside = mask[..., None]
@@ -98,7 +98,7 @@ def _exposures(reference):
 
 
 def _aces_inverse(display):
-    """Radiance that the ACES curve (as fitted by Narkowicz, input times 0.6) maps to `display`."""
+    """Radiance that the ACES curve, as fitted in [Nark16], input times 0.6, maps to `display`."""
     a = 0.36 * (2.51 - 2.43 * display)
     b = 0.6 * (0.03 - 0.59 * display)
     c = -0.14 * display
