@@ -30,9 +30,9 @@ SUM_TOLERANCE = 1e-4  # of the hierarchy, so that its error does not count here
 class Settings:
     cases: list[str] = dataclasses.field(default_factory=lambda: ["sphere-marble"])
     methods: list[str] = dataclasses.field(
-        default_factory=lambda: ["cells", "voronoi", "blue-noise", "random"])
+        default_factory=lambda: ["cells", "bands", "voronoi", "blue-noise", "random"])
     point_sets: list[int] = dataclasses.field(default_factory=lambda: [1000, 4000, 16_000])
-    spacings: list[float] = dataclasses.field(default_factory=lambda: [8, 4, 2])  # of automatic
+    spacings: list[float] = dataclasses.field(default_factory=lambda: [8, 4, 2, 1])  # automatic
     many_light_samples: int = 32  # while the spacing varies
     light_samples: list[int] = dataclasses.field(default_factory=lambda: [1, 4, 16, 64])
     light_spacing: float = 2      # of the automatic one, while light samples vary
@@ -155,7 +155,7 @@ class Images:
 
 def measure_images(settings, bench, case):
     images = Images(settings, bench, case)
-    finest = min(settings.spacings) / 4
+    finest = min(1, *settings.spacings) / 4  # also of the automatic spacing
     common = {"settings": dataclasses.asdict(settings), "inputs": case.fingerprint()}
     for spacing in settings.spacings:
         bench.measure(NAME, case.name, SPACING, "spacing / automatic", spacing,
