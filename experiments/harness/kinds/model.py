@@ -39,7 +39,7 @@ class Settings:
     models: list[typing.Literal[tuple(MODELS)]] = dataclasses.field(
         default_factory=lambda: ["transport", "classic"])
     indirect: list[typing.Literal["on", "off"]] = dataclasses.field(default_factory=lambda: ["on"])
-    tolerance: float = 0.003      # of the hierarchy and of the sampling, each
+    tolerance: float = 0.005      # of the hierarchy and of the sampling, each
     samples: int = 64             # camera rays a pixel
     difference_limit: float = 0.5  # end of the scale of difference pictures, of the mean
 
