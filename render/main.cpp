@@ -121,7 +121,7 @@ std::vector<std::string> parse_layers(const std::string& list, bool certified) {
 }
 
 Tile parse_crop(const std::string& text, const Camera& camera) {
-    if (text.empty()) return {0, 0, camera.width, camera.height};
+    if (text.empty()) return whole_image(camera);
     const auto fail = [&] {
         return UsageError(fmt::format(
             "--crop: expected four integers X0,Y0,X1,Y1 inside {} x {} pixels, got '{}'",
@@ -140,11 +140,11 @@ Tile parse_crop(const std::string& text, const Camera& camera) {
     return {v[0], v[1], v[2], v[3]};
 }
 
-int find_camera(const Scene& scene, const std::string& name) {
-    if (name.empty()) return 0;
+const Camera& find_camera(const Scene& scene, const std::string& name) {
+    if (name.empty()) return scene.cameras.front();
     std::vector<std::string> names;
     for (const Camera& camera : scene.cameras) {
-        if (camera.name == name) return int(names.size());
+        if (camera.name == name) return camera;
         names.push_back(camera.name);
     }
     throw UsageError(
@@ -212,13 +212,13 @@ void note_double_counting(const Scene& scene, Progress& progress) {
 }
 
 void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Camera& camera,
-                  const CacheView& cache, const RenderOptions& options, const Stats& stats) {
+                  const CacheView& cache, const ExitanceAccuracy& accuracy, const Stats& stats) {
     image.metadata = {
         {"tallow/scene", a.scene.string()},
         {"tallow/camera", camera.name},
         {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
-        {options.accuracy.certified ? "tallow/certified" : "tallow/tolerance",
-         fmt::format("{}", options.accuracy.tolerance)},
+        {accuracy.certified ? "tallow/certified" : "tallow/tolerance",
+         fmt::format("{}", accuracy.tolerance)},
         {"tallow/criterion", a.criterion},
         {"tallow/samples", fmt::format("{}", scene.settings.samples)},
         {"tallow/version", stats.versions.at("tallow")},
@@ -227,25 +227,24 @@ void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Ca
 
 void render(const Arguments& a, ToolRun& run) {
     if (!a.plan) require_image_names(a.outputs);
+    ExitanceAccuracy accuracy = parse_accuracy(a);
     RenderOptions options;
-    options.accuracy = parse_accuracy(a);
     options.layers = parse_layers(a.aovs, a.certify.has_value());
 
     PhaseTimer load_timer(run.stats, "load");
     Scene loaded = load_scene(a.scene, a.overrides);
-    if (!a.certify && !a.tolerance) options.accuracy.tolerance = loaded.settings.tolerance;
+    if (!a.certify && !a.tolerance) accuracy.tolerance = loaded.settings.tolerance;
     if (a.samples) loaded.settings.samples = *a.samples;
     if (a.everything) loaded.settings.everything = true;
-    options.camera = find_camera(loaded, a.camera);
-    const Camera camera = loaded.cameras[std::size_t(options.camera)];
+    options.samples = loaded.settings.samples;
+    const Camera camera = find_camera(loaded, a.camera);
     options.crop = parse_crop(a.crop, camera);
     load_timer.stop();
     const SceneGeometry geometry = load_geometry(loaded, run.stats);
 
     PhaseTimer plan_timer(run.stats, "plan");
-    ScenePlan planned = plan_scene(loaded, geometry, double(options.accuracy.tolerance));
+    ScenePlan planned = plan_scene(loaded, geometry, double(accuracy.tolerance));
     add_lights(planned.plan, loaded);
-    options.diffuse = planned.diffuse;
     run.stats.plan = planned.plan;
     plan_timer.stop();
     if (a.plan) {
@@ -260,10 +259,11 @@ void render(const Arguments& a, ToolRun& run) {
     map_timer.stop();
     const CacheView view = cache ? cache->view() : CacheView{};
 
-    Image image = render_image(scene, geometry, view, options, run.progress, run.stats);
+    const PreparedScene world(scene, geometry, view, accuracy, planned.diffuse, run.stats);
+    Image image = render_image(world, camera, options, run.progress, run.stats);
 
     PhaseTimer write_timer(run.stats, "write");
-    add_metadata(image, a, scene, camera, view, options, run.stats);
+    add_metadata(image, a, scene, camera, view, accuracy, run.stats);
     for (const std::filesystem::path output : a.outputs) {
         if (output.extension() == ".exr")
             write_exr(output, image);
