@@ -15,10 +15,20 @@
 
 namespace tallow {
 
+/// What kernels are made from; see make_exitance_kernels().
+struct KernelSource {
+    Model model;
+    Medium medium;
+    Orders orders;
+    float spacing_mm;
+};
+
 /// A translucent body ready to be shaded.
 struct PreparedBody {
     const SubsurfaceMaterial* material;
     SurfaceFactors factors;
+    KernelSource source;
+    ExitanceKernels kernels;
     ExitanceField exitance;
     int march_steps;                                  // of a pixel; see march_steps_of_pixel()
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
@@ -35,6 +45,13 @@ public:
     PreparedScene(Scene scene, const SceneGeometry& geometry, CacheView cache,
                   ExitanceAccuracy accuracy, const std::vector<std::optional<Rgb>>& diffuse,
                   Stats& stats);
+
+    /// Takes other values for what the cache does not hold: scales of light groups, coefficients of
+    /// media, colours, settings. Shapes, places, lights and what belongs to the cache's fingerprint
+    /// must be as before; see require_fingerprint(). Only the exitance is made again, in the phase
+    /// octree, and kernels where media are new. If it throws, it has to be called again.
+    void change(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
+
     PreparedScene(const PreparedScene&) = delete;
     PreparedScene& operator=(const PreparedScene&) = delete;
 
@@ -54,7 +71,10 @@ public:
     const ExitanceAccuracy& accuracy() const { return accuracy_; }
 
 private:
+    void prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
     void prepare_bodies(Stats& stats);
+    PreparedBody prepare_body(const BodyView& view, const LitSamples& samples,
+                              std::optional<PreparedBody>& before) const;
 
     const SceneGeometry& geometry_;
     CacheView cache_;
