@@ -55,6 +55,11 @@ void declare(CommandLine& line, Arguments& a) {
     line.integer("--samples", a.samples, 1, 65536, "an integer in [1, 65536]",
                  "Camera rays a pixel [default: the scene's, or 16]");
     line.text("--camera", a.camera, "Camera to use [default: the scene's first]", "NAME");
+    line.text("--frames", a.frames,
+              "Render these frames of a camera that moves, the last included; --output then names "
+              "many files: #### becomes the frame's number with as many digits, as in "
+              "turn_####.exr [default: frame 0]",
+              "A-B|A");
     line.text("--crop", a.crop, "Render these pixels only; X1 and Y1 are not included",
               "X0,Y0,X1,Y1");
     line.text("--aovs", a.aovs,
@@ -137,14 +142,23 @@ const Camera& find_camera(const Scene& scene, const std::string& name) {
         fmt::format("--camera: expected one of {}, got '{}'", fmt::join(names, ", "), name));
 }
 
-void require_image_names(const std::vector<std::string>& outputs) {
-    if (outputs.empty()) throw UsageError("--output: expected an image to write");
-    for (const std::filesystem::path name : outputs)
+std::optional<FrameRange> frames_of(const Arguments& a) {
+    return a.frames.empty() ? std::nullopt : std::optional(parse_frames(a.frames));
+}
+
+void require_image_names(const Arguments& a) {
+    const auto frames = frames_of(a);
+    if (a.outputs.empty()) throw UsageError("--output: expected an image to write");
+    for (const std::filesystem::path name : a.outputs) {
         if (name.extension() != ".exr" && name.extension() != ".png")
+            throw UsageError(fmt::format(
+                "--output: expected a name ending in .exr or .png, got '{}'", name.string()));
+        if (frames && frames->has_many() && !has_frame_field(name))
             throw UsageError(
-                fmt::format("--output: expected a name ending in .exr or .png, got "
-                            "'{}'",
+                fmt::format("--output: expected a name with #### for the number of the frame, as "
+                            "in turn_####.exr, got '{}'",
                             name.string()));
+    }
 }
 
 }  // namespace tallow

@@ -9,6 +9,7 @@
 #include "common/base/cli.h"
 #include "common/exitance/sample_sum.h"
 #include "common/scene/scene.h"
+#include "render/frame_range.h"
 #include "render/primary_hits.h"
 
 namespace tallow {
@@ -18,7 +19,7 @@ struct Arguments {
     std::filesystem::path scene;
     std::optional<std::filesystem::path> cache;
     std::vector<std::string> outputs, overrides;
-    std::string camera, crop, aovs = "none", criterion = "error";
+    std::string camera, frames, crop, aovs = "none", criterion = "error";
     std::optional<double> tolerance, certify, exposure;
     std::optional<int> samples;
     bool plan = false, everything = false;
@@ -40,6 +41,10 @@ Tile parse_crop(const std::string& text, const Camera& camera);
 /// The scene's first camera if the name is empty.
 const Camera& find_camera(const Scene& scene, const std::string& name);
 
-void require_image_names(const std::vector<std::string>& outputs);
+/// What --frames asks for; nothing if it is not given.
+std::optional<FrameRange> frames_of(const Arguments& a);
+
+/// Refuses names that say no format, or that are the same for all frames.
+void require_image_names(const Arguments& a);
 
 }  // namespace tallow

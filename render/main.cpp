@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "common/base/errors.h"
 #include "common/base/tool_main.h"
@@ -68,67 +69,105 @@ void note_double_counting(const Scene& scene, Progress& progress) {
     }
 }
 
-void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Camera& camera,
-                  const CacheView& cache, const ExitanceAccuracy& accuracy, const Stats& stats) {
-    image.metadata = {
-        {"tallow/scene", a.scene.string()},
-        {"tallow/camera", camera.name},
-        {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
-        {accuracy.certified ? "tallow/certified" : "tallow/tolerance",
-         fmt::format("{}", accuracy.tolerance)},
-        {"tallow/criterion", a.criterion},
-        {"tallow/samples", fmt::format("{}", scene.settings.samples)},
-        {"tallow/version", stats.versions.at("tallow")},
-    };
+/// The camera as it stands in each frame that is asked for.
+std::vector<Camera> list_views(const Arguments& a, const Camera& camera) {
+    const auto frames = frames_of(a);
+    if (frames) require_frames(camera, *frames);
+    std::vector<Camera> views;
+    for (int frame = frames ? frames->first : 0; frame <= (frames ? frames->last : 0); ++frame)
+        views.push_back(camera_at(camera, frame));
+    return views;
 }
 
-void render(const Arguments& a, ToolRun& run) {
-    if (!a.plan) require_image_names(a.outputs);
-    ExitanceAccuracy accuracy = parse_accuracy(a);
+/// Everything that pictures are made from.
+struct Input {
+    ScenePlan planned;
+    SceneGeometry geometry;
+    ExitanceAccuracy accuracy;
+    bool moves;                 // the camera
+    std::vector<Camera> views;  // one a frame
     RenderOptions options;
-    options.layers = parse_layers(a.aovs, a.certify.has_value());
+};
 
-    PhaseTimer load_timer(run.stats, "load");
-    Scene loaded = load_scene(a.scene, a.overrides);
-    if (!a.certify && !a.tolerance) accuracy.tolerance = loaded.settings.tolerance;
-    if (a.samples) loaded.settings.samples = *a.samples;
-    if (a.everything) loaded.settings.everything = true;
-    options.samples = loaded.settings.samples;
-    const Camera camera = find_camera(loaded, a.camera);
-    options.crop = parse_crop(a.crop, camera);
+Input read_input(const Arguments& a, Stats& stats) {
+    Input input;
+    input.accuracy = parse_accuracy(a);
+    input.options.layers = parse_layers(a.aovs, a.certify.has_value());
+
+    PhaseTimer load_timer(stats, "load");
+    Scene scene = load_scene(a.scene, a.overrides);
+    if (!a.certify && !a.tolerance) input.accuracy.tolerance = scene.settings.tolerance;
+    if (a.samples) scene.settings.samples = *a.samples;
+    if (a.everything) scene.settings.everything = true;
+    input.options.samples = scene.settings.samples;
+    const Camera& camera = find_camera(scene, a.camera);
+    input.moves = frame_count(camera) > 1;
+    input.views = list_views(a, camera);
+    input.options.crop = parse_crop(a.crop, camera);
     load_timer.stop();
-    const SceneGeometry geometry = load_geometry(loaded, run.stats);
+    input.geometry = load_geometry(scene, stats);
 
-    PhaseTimer plan_timer(run.stats, "plan");
-    ScenePlan planned = plan_scene(loaded, geometry, double(accuracy.tolerance));
-    add_lights(planned.plan, loaded);
-    run.stats.plan = planned.plan;
-    plan_timer.stop();
-    if (a.plan) {
-        fmt::print("{}", plan_text(planned.plan));
-        return;
-    }
-    const Scene& scene = planned.scene;
-    note_double_counting(scene, run.progress);
+    const PhaseTimer plan_timer(stats, "plan");
+    input.planned = plan_scene(scene, input.geometry, double(input.accuracy.tolerance));
+    add_lights(input.planned.plan, scene);
+    stats.plan = input.planned.plan;
+    return input;
+}
 
-    PhaseTimer map_timer(run.stats, "map");
-    const std::optional<MappedCache> cache = open_cache(a, planned, geometry);
-    map_timer.stop();
-    const CacheView view = cache ? cache->view() : CacheView{};
+decltype(Image::metadata) describe(const Arguments& a, const Input& input, const Camera& view,
+                                   const CacheView& cache, const Stats& stats) {
+    decltype(Image::metadata) metadata = {
+        {"tallow/scene", a.scene.string()},
+        {"tallow/camera", view.name},
+        {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
+        {input.accuracy.certified ? "tallow/certified" : "tallow/tolerance",
+         fmt::format("{}", input.accuracy.tolerance)},
+        {"tallow/criterion", a.criterion},
+        {"tallow/samples", fmt::format("{}", input.options.samples)},
+        {"tallow/version", stats.versions.at("tallow")},
+    };
+    if (input.moves) metadata.emplace_back("tallow/frame", fmt::format("{}", view.frame));
+    return metadata;
+}
 
-    const PreparedScene world(scene, geometry, view, accuracy, planned.diffuse, run.stats);
-    Image image = render_image(world, camera, options, run.progress, run.stats);
-
-    PhaseTimer write_timer(run.stats, "write");
-    add_metadata(image, a, scene, camera, view, accuracy, run.stats);
-    for (const std::filesystem::path output : a.outputs) {
+void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
+    const PhaseTimer timer(run.stats, "write");
+    for (const std::filesystem::path name : a.outputs) {
+        const auto output = a.frames.empty() ? name : frame_file(name, frame);
         if (output.extension() == ".exr")
             write_exr(output, image);
         else
             write_png(output, image, float(a.exposure.value_or(0)));
         run.progress.note(fmt::format("wrote {}", output.string()));
     }
-    write_timer.stop();
+}
+
+void render(const Arguments& a, ToolRun& run) {
+    if (!a.plan) require_image_names(a);
+    const Input input = read_input(a, run.stats);
+    if (a.plan) {
+        fmt::print("{}", plan_text(input.planned.plan));
+        return;
+    }
+    note_double_counting(input.planned.scene, run.progress);
+    PhaseTimer map_timer(run.stats, "map");
+    const std::optional<MappedCache> cache = open_cache(a, input.planned, input.geometry);
+    map_timer.stop();
+    const CacheView cached = cache ? cache->view() : CacheView{};
+    const PreparedScene world(input.planned.scene, input.geometry, cached, input.accuracy,
+                              input.planned.diffuse, run.stats);
+
+    // Before the first frame takes its time.
+    for (const Camera& view : input.views)
+        require_camera_outside(world.scene(), world.rays(), view);
+    for (const Camera& view : input.views) {
+        const auto start = std::chrono::steady_clock::now();
+        Image image = render_image(world, view, input.options, run.progress, run.stats);
+        image.metadata = describe(a, input, view, cached, run.stats);
+        write(a, image, view.frame, run);
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+        if (!a.frames.empty()) run.stats.frames.push_back({view.frame, elapsed.count()});
+    }
 }
 
 }  // namespace
@@ -137,8 +176,8 @@ int main(int argc, char** argv) {
     Arguments arguments;
     return tool_main(
         "tallow-render",
-        "Pass two: renders a camera's image from a scene and the cache that tallow-precompute made "
-        "of it.",
+        "Pass two: renders a camera's image, or many frames of it, from a scene and the cache that "
+        "tallow-precompute made of it.",
         argc, argv, [&](CommandLine& line) { declare(line, arguments); },
         [&](ToolRun& run) { render(arguments, run); });
 }
