@@ -12,6 +12,7 @@ from .. import fits, plots, programs, words
 from ..cases import case_named
 from ..images import read_image
 from ..metrics import body_mask, compare
+from ..points import by_value
 from ..section import Plot, Section, Table
 from ..suite import read_yaml, require, require_each
 from ..sweeps import sampling_sweep
@@ -242,7 +243,7 @@ def set_words(settings, bench, case):
 def image_words(bench, case):
     sentences = []
     for series, words_of in ((SPACING, "the spacing"), (LIGHT, "the number of light samples")):
-        points = bench.of(NAME, case=case, series=series)
+        points = by_value(bench.of(NAME, case=case, series=series))
         law = fits.fit_of(points, "value", "relRMSE")
         if law:
             sentences.append(f"In images of {case} the error goes with {words_of} to the power "

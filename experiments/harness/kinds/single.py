@@ -13,6 +13,7 @@ from ..caches import CacheOnDemand
 from ..cases import case_named
 from ..images import read_image
 from ..metrics import body_mask, compare
+from ..points import by_value
 from ..section import Plot, Section, Table
 from ..suite import require, require_each
 
@@ -138,7 +139,7 @@ def measure(settings, bench):
 # --- telling -------------------------------------------------------------------------------------
 
 def line(bench, case, series):
-    return bench.of(NAME, case=case, series=series)
+    return by_value(bench.of(NAME, case=case, series=series))
 
 
 def curves(bench, case):
