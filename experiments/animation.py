@@ -4,9 +4,9 @@
 
 Renders 36 frames of camera `turn` of scenes/bunny.yaml in one process; then some of them each by a
 process of its own; then each by pass one and pass two from nothing. Compares the pictures byte by
-byte. Prints seconds a frame as a Markdown table and writes docs/results/animation.csv: with all
+byte. Prints medians a frame as a Markdown table and writes docs/results/animation.csv: with all
 light, and with settings.bounces=0. Needs the release build and the scanned meshes (./run fetch).
-Times compare only if the machine has nothing else to do.
+Wall times compare only if the machine has nothing else to do; processor times nearly always do.
 
     experiments/animation.py [--every K]    only every K-th frame by itself [default: 6]
 """
@@ -14,9 +14,11 @@ import argparse
 import csv
 import json
 import pathlib
-import statistics
+import resource
 import subprocess
 import time
+
+import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 OUT = ROOT / "out" / "animation"
@@ -25,12 +27,17 @@ FRAMES = 36
 VARIANTS = {"all light": [], "without indirect light": ["--set", "settings.bounces=0"]}
 
 
+def processor_seconds():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def run(program, *arguments):
-    """Wall time of a process, s."""
+    """Wall and processor time of a process, s."""
     command = [ROOT / "build/release/bin" / program, SCENE, *arguments, "--quiet"]
-    start = time.monotonic()
+    start, processor = time.monotonic(), processor_seconds()
     subprocess.run(list(map(str, command)), check=True)
-    return time.monotonic() - start
+    return np.array([time.monotonic() - start, processor_seconds() - processor])
 
 
 def render(cache, frames, output, *arguments):
@@ -39,12 +46,12 @@ def render(cache, frames, output, *arguments):
 
 
 def render_together(flags):
-    """Seconds of the process, of each frame in it, and of what comes before the first."""
+    """Times of the process, and the wall time of what comes before its first frame."""
     stats = OUT / "stats.json"
     process = render(OUT / "cache.tallow", f"0-{FRAMES - 1}", OUT / "together_##.exr", "--stats",
                      stats, *flags)
-    frames = [frame["seconds"] for frame in json.loads(stats.read_text())["frames"]]
-    return process, frames, process - sum(frames)
+    summary = json.loads(stats.read_text())
+    return process, summary["seconds"]["total"] - sum(f["seconds"] for f in summary["frames"])
 
 
 def require_same(frame):
@@ -54,21 +61,21 @@ def require_same(frame):
 
 
 def measure(variant, flags, every):
-    """Rows: what, median, least and most seconds a frame."""
+    """Rows: light, how, wall and processor time of a frame."""
     run("tallow-precompute", "-o", OUT / "cache.tallow", *flags)
-    process, frames, before = render_together(flags)
-    alone, from_nothing = [], []
+    process, before = render_together(flags)
+    alone, pass_one = [], []
     for frame in range(0, FRAMES, every):
         alone.append(render(OUT / "cache.tallow", frame, OUT / "alone.exr", *flags))
         require_same(frame)
-        pass_one = run("tallow-precompute", "-o", OUT / "own.tallow", *flags)
-        (OUT / "own.tallow").unlink()  # or its direct light would be kept
-        from_nothing.append(pass_one + alone[-1])
-    rows = {"frame within one process": frames, "loading and preparing, once": [before],
-            "one process for all, a frame": [process / FRAMES],
-            "a process for each frame": alone, "pass one and pass two for each frame": from_nothing}
-    return [[variant, what, f"{statistics.median(s):.3f}", f"{min(s):.3f}", f"{max(s):.3f}"]
-            for what, s in rows.items()]
+        (OUT / "own.tallow").unlink(missing_ok=True)  # or its direct light would be kept
+        pass_one.append(run("tallow-precompute", "-o", OUT / "own.tallow", *flags))
+    own = np.median(alone, axis=0)
+    rows = {"one process for all": process / FRAMES, "a process for each frame": own,
+            "pass one and pass two for each frame": own + np.median(pass_one, axis=0),
+            "(loading and preparing, once)": [before, np.nan]}
+    return [[variant, how, f"{wall:.3f}", "" if np.isnan(processor) else f"{processor:.3f}"]
+            for how, (wall, processor) in rows.items()]
 
 
 def main():
@@ -77,7 +84,7 @@ def main():
     every = parser.parse_args().every
     OUT.mkdir(parents=True, exist_ok=True)
     rows = [row for variant, flags in VARIANTS.items() for row in measure(variant, flags, every)]
-    header = ["light", "what", "median s", "least s", "most s"]
+    header = ["light", "how", "wall s", "processor s"]
     print("| " + " | ".join(header) + " |\n" + "|---" * len(header) + "|")
     for row in rows:
         print("| " + " | ".join(row) + " |")
