@@ -71,7 +71,8 @@ def run_suite(path, output, only, fresh):
         experiment.module.measure(experiment.settings, bench)
     write_csv(bench.points, output / "results.csv")
     sections = [e.module.section(e.settings, bench) for e in experiments]
-    print(report.write(suite, sections, bench, f"./run experiment {path.stem}"))
+    command = " ".join(["./run experiment", path.stem, *(["--only", *only] if only else [])])
+    print(report.write(suite, sections, bench, command))
     if suite.publish and not only:
         for changed in published.publish(path.stem, output):
             print(changed)

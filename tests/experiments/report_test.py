@@ -44,6 +44,11 @@ class Report(unittest.TestCase):
     def test_the_report_is_whole(self):
         self.assertEqual(faults(self.out / "report.html", self.plots, self.out / "phone.png"), [])
 
+    def test_published_reports_are_whole(self):
+        for page in (ROOT / "docs/results").glob("*/report.html"):
+            plots = [path.stem for path in (page.parent / "plots").glob("*.png")]
+            self.assertEqual(faults(page, plots), [], page)
+
     def test_every_experiment_has_a_section_with_plots(self):
         sections = re.findall(r'<section id="section-\d+">.*?</section>', self.page, re.S)
         self.assertEqual(len(sections), len(read_suite(SUITE).experiments))

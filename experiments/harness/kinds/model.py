@@ -141,10 +141,10 @@ def _sum(image, layers):
 
 
 def _variance(reference, layers):
-    """Variance of a sum of the reference's layers, or None if it does not know.
+    """Variance of a sum of the reference's layers, or None if it has none.
 
-    The layers of a sum share no samples' contributions but may share walks; their covariance is
-    not known, so a sum without a variance of its own is the sum of variances.
+    A sum's is the sum of variances: the covariance of two layers, whose paths may share a walk, is
+    not in the file. The picture as a whole has a variance of its own.
     """
     names = [f"{name}_variance" if name else "variance" for name in layers.split("+")]
     return sum(reference[n] for n in names) if all(n in reference for n in names) else None

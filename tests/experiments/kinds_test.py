@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits, readings between points, words, the launcher, settings and sections of experiments.
 
-    build/venv/bin/python -m unittest discover tests/experiments
+    experiments/python tests/experiments/kinds_test.py
 """
 import importlib
 import math
