@@ -18,7 +18,8 @@ the cells of a true sphere, in place of a mesh. The reference has 16 times the s
 Dart throwing is written plainly: a good one would be some times faster.
 
 Needs the release build (./run build), the scanned meshes (./run fetch), and
-`pip install numpy matplotlib pyyaml`. Two to three minutes; --quick half a minute, into out/sampling.
+`pip install numpy matplotlib pyyaml`. Two to three minutes; --quick half a minute, into
+out/sampling.
 
     experiments/sampling.py [--quick] [--output DIR] [--build DIR]
     experiments/sampling.py --plot-only [--output DIR]

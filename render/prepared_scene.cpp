@@ -67,7 +67,7 @@ void PreparedScene::prepare(Scene scene, const std::vector<std::optional<Rgb>>& 
                             Stats& stats) {
     scene_ = std::move(scene);
     lit_ = without_dark_lights(scene_);
-    prepare_bodies(stats);
+    prepare_bodies(diffuse, stats);
     albedos_.clear();
     for (const Material& material : scene_.materials) albedos_.push_back(albedo(material));
     const int bounces = indirect_bounces(scene_);
@@ -75,16 +75,20 @@ void PreparedScene::prepare(Scene scene, const std::vector<std::optional<Rgb>>& 
     indirect_ = bounces > 0 && has_opaque_surface(scene_, diffuse);
 }
 
-void PreparedScene::prepare_bodies(Stats& stats) {
+void PreparedScene::prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats) {
     const PhaseTimer timer(stats, "octree");
     std::int64_t samples = 0, lit = 0;
     for (const BodyView& view : cache_.bodies) {
+        std::optional<PreparedBody>& body = bodies_[view.object];
+        if (!diffuse.empty() && diffuse[view.object]) {  // made for another tolerance or camera
+            body.reset();
+            continue;
+        }
         const Rgb gain =
             indirect_bounces(scene_) > 0 ? indirect_gain(*subsurface(scene_, view.object)) : Rgb(0);
         const LitSamples lit_samples = light_samples(view, scene_.groups, gain);
         samples += std::int64_t(view.positions.size());
         lit += std::int64_t(lit_samples.position.size());
-        std::optional<PreparedBody>& body = bodies_[view.object];
         PreparedBody prepared = prepare_body(view, lit_samples, body);
         body.emplace(std::move(prepared));
     }

@@ -39,9 +39,10 @@ struct PreparedBody {
 /// then render_image() may be called any number of times.
 class PreparedScene {
 public:
-    /// `scene` is that of a ScenePlan, `diffuse` [object] its reflectances; empty if there are
-    /// none. `geometry` and what `cache` points into must outlive this, and the cache must be one
-    /// of the scene. Adds to the phases bvh and octree.
+    /// `scene` is that of a ScenePlan, `diffuse` [object] its reflectances, whose objects are
+    /// opaque whatever the cache has of them; empty if there are none. `geometry` and what `cache`
+    /// points into must outlive this, and the cache must be one of the scene. Adds to the phases
+    /// bvh and octree.
     PreparedScene(Scene scene, const SceneGeometry& geometry, CacheView cache,
                   ExitanceAccuracy accuracy, const std::vector<std::optional<Rgb>>& diffuse,
                   Stats& stats);
@@ -72,7 +73,7 @@ public:
 
 private:
     void prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
-    void prepare_bodies(Stats& stats);
+    void prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
     PreparedBody prepare_body(const BodyView& view, const LitSamples& samples,
                               std::optional<PreparedBody>& before) const;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A moving camera and a frame -> a camera that stands still. In double: keyframes may be far apart.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 

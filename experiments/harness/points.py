@@ -45,6 +45,11 @@ class Point:
         return min(self.quantities[quantity]), max(self.quantities[quantity])
 
 
+def by_value(points):
+    """Points along their line, by the value that is varied."""
+    return sorted(points, key=lambda point: point.value)
+
+
 COLUMNS = ["experiment", "case", "series", "parameter", "value", "quantity", "unit", "median",
            "least", "most", "runs", "command"]
 

@@ -195,5 +195,19 @@ class Sections(unittest.TestCase):
                 self.assertEqual(len(bench.points), 2 * measured)
 
 
+class TruthOfSingleScattering(unittest.TestCase):
+    def words_of(self, **quantities):
+        single = importlib.import_module("harness.kinds.single")
+        return single.difference_words(Point("single", "c", "s", "p", 1, {
+            name: [value] for name, value in quantities.items()}))
+
+    def test_says_what_the_noise_allows(self):
+        self.assertIn("no more than the truth's noise of 5 %",
+                      self.words_of(relRMSE=0.0, noise=0.05))
+        self.assertIn("relRMSE of 62 %, the truth's noise of 5 % taken off",
+                      self.words_of(relRMSE=0.62, noise=0.05))
+        self.assertIn("noise included", self.words_of(relRMSE=0.62))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -96,6 +96,17 @@ TEST_F(PreparedSceneTest, ChangesAreAsGoodAsPreparingAgain) {
     EXPECT_EQ(render(*world, camera), before);
 }
 
+// A cache may hold samples of a body that is taken for a diffuse surface now: they must not add to
+// it. With indirect light, which a diffuse surface gathers for itself.
+TEST_F(PreparedSceneTest, BodiesTakenForDiffuseSurfacesNeedNoSamples) {
+    const Scene scene = scene_of(kScene, {"settings.bounces=1"});
+    const std::vector<std::optional<Rgb>> diffuse = {Rgb(0.5f), std::nullopt};
+    const PreparedScene with(scene, geometry_, cache_->view(), {}, diffuse, stats_);
+    const PreparedScene without(scene, geometry_, {}, {}, diffuse, stats_);
+    EXPECT_EQ(with.body(0), nullptr);
+    EXPECT_EQ(render(with, scene.cameras[0]), render(without, scene.cameras[0]));
+}
+
 // Counts are those of all pictures.
 TEST_F(PreparedSceneTest, CountsAddUp) {
     const auto world = prepare(scene_);

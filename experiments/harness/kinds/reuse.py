@@ -193,21 +193,22 @@ def point(bench, case, series, parameter):
 def plots_of(bench, settings):
     turns = [point(bench, case, series, "frames") for case in settings.cases
              for series in (TOGETHER, APART, FROM_NOTHING)]
+    lone = len(settings.cases) == 1
     changes = [dataclasses.replace(point(bench, case, series, parameter),
-                                   case=f"{case}: {parameter}")
+                                   case=parameter if lone else f"{case}: {parameter}")
                for case in settings.cases for parameter in CHANGES.values()
                for series in (KEPT, ANEW)]
     frames = [dataclasses.replace(p, series=case) for case in settings.cases
               for p in bench.of(NAME, case=case, series=TOGETHER, parameter=FRAME)]
     return [
-        Plot(f"{NAME}-turntable", plots.bars(turns, "seconds", "A frame of a turntable", log=True),
+        Plot(f"{NAME}-turntable", plots.bars(turns, "seconds", "A frame of a turntable"),
              f"Time for each of {settings.frames} frames; bars from least to most of "
              f"{bench.repeat} turns, or of {settings.alone} frames.", turns[0].command),
         Plot(f"{NAME}-frames",
              plots.against(frames, "value", "seconds", log="", title="Frames of the turn"),
              "Time of each frame by the program's own clock, all in one process.",
              frames[0].command),
-        Plot(f"{NAME}-changes", plots.bars(changes, "seconds", "A changed scene", log=True),
+        Plot(f"{NAME}-changes", plots.bars(changes, "seconds", "A changed scene"),
              "Time to a picture after a change, from the cache that is there and from a new one.",
              changes[0].command)]
 
@@ -251,7 +252,7 @@ def section(settings, bench):
             f"refraction. A turntable of {settings.frames} frames is rendered with {size} x {size} "
             f"pixels and {settings.camera_samples} camera rays a pixel: by one process, by a "
             "process a frame, and with both passes for each frame (the last two on "
-            f"{settings.alone} frames). Then the light's colour is scaled by "
+            f"{settings.alone} of them). Then the light's colour is scaled by "
             f"{settings.light_scale}, and the body given the coefficients of {settings.medium}, "
             "while the cache stays. Times are of whole processes. For another medium indirect "
             "light is left out: where it is computed, it belongs to the medium. A cache made for "

@@ -12,6 +12,7 @@ from .. import fits, plots, programs, words
 from ..cases import case_named
 from ..images import read_image
 from ..metrics import body_mask, compare
+from ..points import by_value
 from ..section import Plot, Section, Table
 from ..suite import read_yaml, require, require_each
 from ..sweeps import sampling_sweep
@@ -30,9 +31,9 @@ SUM_TOLERANCE = 1e-4  # of the hierarchy, so that its error does not count here
 class Settings:
     cases: list[str] = dataclasses.field(default_factory=lambda: ["sphere-marble"])
     methods: list[str] = dataclasses.field(
-        default_factory=lambda: ["cells", "voronoi", "blue-noise", "random"])
+        default_factory=lambda: ["cells", "bands", "voronoi", "blue-noise", "random"])
     point_sets: list[int] = dataclasses.field(default_factory=lambda: [1000, 4000, 16_000])
-    spacings: list[float] = dataclasses.field(default_factory=lambda: [8, 4, 2])  # of automatic
+    spacings: list[float] = dataclasses.field(default_factory=lambda: [8, 4, 2, 1])  # automatic
     many_light_samples: int = 32  # while the spacing varies
     light_samples: list[int] = dataclasses.field(default_factory=lambda: [1, 4, 16, 64])
     light_spacing: float = 2      # of the automatic one, while light samples vary
@@ -155,7 +156,7 @@ class Images:
 
 def measure_images(settings, bench, case):
     images = Images(settings, bench, case)
-    finest = min(settings.spacings) / 4
+    finest = min(1, *settings.spacings) / 4  # also of the automatic spacing
     common = {"settings": dataclasses.asdict(settings), "inputs": case.fingerprint()}
     for spacing in settings.spacings:
         bench.measure(NAME, case.name, SPACING, "spacing / automatic", spacing,
@@ -242,7 +243,7 @@ def set_words(settings, bench, case):
 def image_words(bench, case):
     sentences = []
     for series, words_of in ((SPACING, "the spacing"), (LIGHT, "the number of light samples")):
-        points = bench.of(NAME, case=case, series=series)
+        points = by_value(bench.of(NAME, case=case, series=series))
         law = fits.fit_of(points, "value", "relRMSE")
         if law:
             sentences.append(f"In images of {case} the error goes with {words_of} to the power "

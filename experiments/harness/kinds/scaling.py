@@ -5,7 +5,7 @@ import dataclasses
 from .. import fits, plots, words
 from ..caches import CacheOnDemand
 from ..cases import case_named
-from ..points import PHASES
+from ..points import PHASES, by_value
 from ..section import Plot, Section, Table
 from ..suite import require, require_each
 
@@ -102,8 +102,8 @@ def measure(settings, bench):
 def lines_of(settings, bench, case, parameter):
     """The points of each line: [(program, threads, points)]."""
     programs = (PASS_ONE, PASS_TWO) if parameter == SAMPLES else (PASS_TWO,)
-    return [(program, threads, bench.of(NAME, case=case, series=series(program, threads),
-                                        parameter=parameter))
+    return [(program, threads, by_value(bench.of(NAME, case=case, series=series(program, threads),
+                                                 parameter=parameter)))
             for program in programs for threads in settings.threads]
 
 
@@ -182,8 +182,9 @@ def thread_words(settings, bench, case):
         return []
     ratios = []
     for program in (PASS_ONE, PASS_TWO):
-        slow, fast = (bench.of(NAME, case=case, series=series(program, threads),
-                               parameter=SAMPLES)[-1].median("seconds") for threads in (few, many))
+        slow, fast = (by_value(bench.of(NAME, case=case, series=series(program, threads),
+                                        parameter=SAMPLES))[-1].median("seconds")
+                      for threads in (few, many))
         ratios.append(f"{program} {words.times(slow / fast)}")
     return [f"At the most samples {many} threads make {words.listed(ratios)} as fast as {few}."]
 

@@ -13,6 +13,7 @@ from ..caches import CacheOnDemand
 from ..cases import case_named
 from ..images import read_image
 from ..metrics import body_mask, compare
+from ..points import by_value
 from ..section import Plot, Section, Table
 from ..suite import require, require_each
 
@@ -138,7 +139,7 @@ def measure(settings, bench):
 # --- telling -------------------------------------------------------------------------------------
 
 def line(bench, case, series):
-    return bench.of(NAME, case=case, series=series)
+    return by_value(bench.of(NAME, case=case, series=series))
 
 
 def curves(bench, case):
@@ -196,11 +197,19 @@ def truth_words(settings, bench, case):
                 f"{case_named(case).reference.relative_to(case_named(case).reference.parents[2])} "
                 "is not there or has no layer `single`.")
     return "Against the volumetric truth's layer `single` " + words.listed(
-        f"{connection} has a relRMSE of {words.percent(p.median('relRMSE'))}"
-        + (f" (the truth's noise of {words.percent(p.median('noise'))} taken off)"
-           if "noise" in p.quantities else " (the truth's noise included)")
-        + f" and a mean difference of {100 * p.median('bias'):+.1f} %"
-        for connection, p in found) + "."
+        f"{connection} {difference_words(p)}, with a mean difference of "
+        f"{100 * p.median('bias'):+.1f} %" for connection, p in found) + "."
+
+
+def difference_words(p):
+    """How far a picture is from the truth, if the truth is good enough to tell."""
+    if "noise" not in p.quantities:
+        return f"has a relRMSE of {words.percent(p.median('relRMSE'))}, the truth's noise included"
+    noise = words.percent(p.median("noise"))
+    if p.median("relRMSE") == 0:
+        return f"differs by no more than the truth's noise of {noise}"
+    return (f"has a relRMSE of {words.percent(p.median('relRMSE'))}, the truth's noise of {noise} "
+            "taken off")
 
 
 def case_words(settings, bench, case):
