@@ -12,7 +12,7 @@
 
 #include "common/base/parallel.h"
 #include "common/exitance/exit_factor.h"
-#include "common/exitance/exitance_field.h"
+#include "common/exitance/body_exitance.h"
 #include "render/film.h"
 #include "render/march_steps.h"
 #include "render/shade.h"
@@ -316,10 +316,8 @@ std::vector<std::optional<Body>> prepare_bodies(const Scene& scene, const SceneG
         bodies[view.object].emplace(Body{
             material,
             surface_factors(*material),
-            ExitanceField(view, lit_samples,
-                          make_exitance_kernels(material->model, material->medium,
-                                                orders_of_exitance(*material), view.spacing_mm),
-                          accuracy),
+            BodyExitance(view, *material, orders_of_exitance(*material), ExitanceUse::seen)
+                .field(lit_samples, accuracy),
             {}});
         const int steps =
             march_steps_of_pixel(material->model, material->medium, accuracy.tolerance);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/exitance/body_exitance.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace tallow {
+namespace {
+
+// Clusters of a body. Chosen: exitance changes by 0.2 % from 1000 to 4000, docs/BODY_AWARE.md.
+constexpr std::size_t kClusters = 2000;
+
+ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
+    ExitanceShifts shifts;
+    if (!material.shifts) return shifts;
+    const Rgb length = material.medium.mean_free_path();
+    for (int c = 0; c < 3; ++c) {
+        shifts.entry[std::size_t(c)] = length[c];
+        shifts.exit[std::size_t(c)] = length[c] / material.medium.eta;
+    }
+    return shifts;
+}
+
+}  // namespace
+
+BodyExitance::BodyExitance(const BodyView& body, const SubsurfaceMaterial& material, Orders orders,
+                           ExitanceUse use)
+    : body_(body),
+      use_(use),
+      kernels_(make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm)),
+      shifts_(shifts_of(material)) {
+    if (material.boundary_elements) {
+        const char* clusters = std::getenv("CLUSTERS");
+        diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas},
+                           material.medium, clusters ? std::size_t(std::atoi(clusters)) : kClusters);
+    }
+}
+
+ExitanceField BodyExitance::field(const LitSamples& lit, ExitanceAccuracy accuracy,
+                                  Report* report) const {
+    std::optional<ClusterRatio> ratio;
+    if (diffusion_) {
+        BodyDiffusion::Report solved;
+        ratio = diffusion_->solve(
+            {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, lit.nodes}, solved);
+        if (report != nullptr) {
+            report->clusters = solved.clusters;
+            report->iterations = std::max(report->iterations, solved.iterations);
+            report->converged = report->converged && solved.converged;
+        }
+    }
+    // Where paths end the control variate's irradiance is not known, and its edges do not matter.
+    if (use_ == ExitanceUse::paths)
+        return {{}, lit, ExitanceKernels{kernels_.profiles}, accuracy, shifts_, std::move(ratio)};
+    return {body_, lit, kernels_, accuracy, shifts_, std::move(ratio)};
+}
+
+}  // namespace tallow

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "common/diffusion/body_diffusion.h"
+#include "common/exitance/exitance_field.h"
+#include "common/scene/scene.h"
+
+namespace tallow {
+
+/// Where exitance is wanted: at points that are seen, whose irradiance can be gathered, or where
+/// paths of indirect light end.
+enum class ExitanceUse { seen, paths };
+
+/// What the exitance of one body is made of beside its light: kernels for its medium and spacing,
+/// and, for a body-aware material, diffusion in the body. Made once; the light may change after.
+///
+/// Source   docs/FINE_MEDIA.md, docs/BODY_AWARE.md.
+class BodyExitance {
+public:
+    /// `body` must outlive this and its fields.
+    BodyExitance(const BodyView& body, const SubsurfaceMaterial& material, Orders orders,
+                 ExitanceUse use);
+
+    struct Report {
+        std::size_t clusters = 0;  ///< 0 if the body's diffusion was not solved
+        int iterations = 0;        ///< of the solve, the most of any channel and light
+        bool converged = true;
+    };
+    /// The exitance under some light. Adds what its solve took to `report`, if there is one.
+    ExitanceField field(const LitSamples& lit, ExitanceAccuracy accuracy,
+                        Report* report = nullptr) const;
+
+private:
+    const BodyView& body_;
+    ExitanceUse use_;
+    ExitanceKernels kernels_;
+    ExitanceShifts shifts_;
+    std::optional<BodyDiffusion> diffusion_;
+};
+
+}  // namespace tallow
