@@ -23,7 +23,7 @@ constexpr Depth kDepths[] = {
     {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
 
 constexpr float kSumTolerance = 3e-3f;
-constexpr double kSolveTolerance = 2e-3;
+constexpr double kSolveTolerance = 1e-4;
 
 ChannelDiffusion channel_diffusion(const Medium& medium, int c) {
     const ReducedChannel reduced = reduced_channel(medium, c);

@@ -15,7 +15,7 @@ namespace tallow {
 /// with h of the clusters' size, clamped to [kLeast, kMost].
 class ClusterRatio {
 public:
-    static constexpr float kLeast = 0.3f, kMost = 2;
+    static constexpr float kLeast = 0.3f, kMost = 50;
 
     /// B[cluster] and H[cluster] >= 0.
     ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, std::vector<Rgb> H);
