@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <functional>
 #include <numbers>
 
 #include "common/base/parallel.h"
@@ -39,41 +38,61 @@ double diagonal(std::span<const Vec3> positions) {
     return double(glm::length(high - low));
 }
 
+// A sample that is as near as its own cell is wide does not act as a point: its cell is summed over
+// so many points instead.
+constexpr int kCellPoints = 32;
+
+/// Points spread evenly over a disc of the sample's area in its tangent plane.
+class Cell {
+public:
+    Cell(Vec3 normal, float area) : radius_(std::sqrt(area / std::numbers::pi_v<float>)) {
+        const Frame frame = make_frame(normal);
+        s_ = frame.s, t_ = frame.t;
+    }
+    Vec3 point(int k) const {
+        constexpr float kGoldenAngle = 2.39996323f;
+        const float r = radius_ * std::sqrt((float(k) + 0.5f) / kCellPoints);
+        return r * (std::cos(kGoldenAngle * float(k)) * s_ +
+                    std::sin(kGoldenAngle * float(k)) * t_);
+    }
+
+private:
+    float radius_;
+    Vec3 s_, t_;
+};
+
 /// Sums at the clusters over the samples, moved, of one channel.
 class ClusterSums {
 public:
     ClusterSums(const EnteringLight& light, const SurfaceClusters& clusters,
-                const ReducedChannel& reduced, const ChannelDiffusion& channel, int c)
+                std::span<const std::int64_t> own_sample, const ReducedChannel& reduced,
+                const ChannelDiffusion& channel, int c)
         : light_(light),
           clusters_(clusters),
+          own_sample_(own_sample),
           mfp_(1 / reduced.sigma_t_prime),
           alpha_prime_(reduced.alpha_prime),
           channel_(channel),
           constants_(diffusion_constants(reduced.absorption, reduced.eta)),
           unit_(KernelTable::unit_near(mfp_)),
           targets_(clusters.position, unit_),
-          flux_(light.area.size()),
-          range_(diagonal(light.position) + 10 * mfp_) {
-        for (std::size_t i = 0; i < flux_.size(); ++i) flux_[i] = light.area[i] * light.E_t[i][c];
-    }
+          c_(c),
+          range_(diagonal(light.position) + 10 * mfp_) {}
 
     /// S: fluence that the sources would have in an infinite medium.
     std::vector<double> in_infinite_medium() const {
         const double s = channel_.s;
-        // No nearer than half the radius of a sample: its source is spread over its cell.
-        const double soft = mfp_ * 0.05;
         const auto kernel = [&](double r2) {
-            const double d = std::sqrt(r2 + soft * soft);
+            const double d = std::sqrt(r2 + kSoftening * kSoftening * mfp_ * mfp_);
             return std::exp(-s * d) / d;
         };
-        const double least = kernel(range_ * range_) * 1e-2;
-        const KernelTable table(kernel, mfp_, unit_, std::max(least, 1e-30));
+        const KernelTable table = tabulate_far(kernel);
         std::vector<double> S(clusters_.count());
         const double factor = alpha_prime_ / (4 * std::numbers::pi * channel_.D);
         for (const Depth& depth : kDepths) {
-            const float t = float(depth.t * mfp_);
-            add(table, factor * depth.weight,
-                [&](std::size_t i) { return light_.position[i] + t * light_.w_i[i]; }, S);
+            const auto t = float(depth.t * mfp_);
+            add(table, kernel, factor * depth.weight, t,
+                [&](std::size_t i) { return t * light_.w_i[i]; }, S);
         }
         return S;
     }
@@ -88,44 +107,87 @@ public:
                        image_pair(r2 * to_units * to_units, depth.t, constants_).fluence;
             return sum * to_units;
         };
-        const double factor =
-            alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
-        const double least = kernel(range_ * range_) * 1e-2;
-        const KernelTable table(kernel, mfp_, unit_, std::max(least, 1e-30));
+        const double factor = alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
         std::vector<double> H(clusters_.count());
-        add(table, factor,
+        add(tabulate_far(kernel), kernel, factor, 0,
             [&](std::size_t i) {
-                return light_.position[i] +
-                       float(mfp_) * tangential(light_.w_i[i], light_.normal[i]);
+                return float(mfp_) * tangential(light_.w_i[i], light_.normal[i]);
             },
             H);
         return H;
     }
 
 private:
-    template <class Position>
-    void add(const KernelTable& kernel, double factor, const Position& position,
-             std::vector<double>& result) const {
-        std::vector<Vec3> positions(flux_.size());
-        parallel_for(positions.size(), 16384, [&](std::size_t i) { positions[i] = position(i); });
-        const PointSum sum(positions, flux_, light_.nodes, kernel);
+    using Kernel = std::function<double(double)>;
+
+    // The kernel out to the farthest pair of points of the body.
+    KernelTable tabulate_far(const Kernel& kernel) const {
+        return {kernel, mfp_, unit_, std::max(kernel(range_ * range_) * 1e-2, 1e-30)};
+    }
+
+    // Adds factor * sum of the flux of samples times kernel, samples moved by offset(sample); those
+    // whose beam is shorter than `depth` have none.
+    template <class Offset>
+    void add(const KernelTable& table, const Kernel& kernel, double factor, float depth,
+             const Offset& offset, std::vector<double>& result) const {
+        std::vector<Vec3> positions(light_.area.size());
+        std::vector<float> flux(positions.size());
+        parallel_for(positions.size(), 16384, [&](std::size_t i) {
+            positions[i] = light_.position[i] + offset(i);
+            flux[i] = light_.depth[i] >= depth ? light_.area[i] * light_.E_t[i][c_] : 0.0f;
+        });
+        const PointSum sum(positions, flux, light_.nodes, table);
         std::vector<float> sums(result.size()), evaluations(result.size());
         sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
-        for (std::size_t i = 0; i < result.size(); ++i) result[i] += factor * double(sums[i]);
+        parallel_for(result.size(), 64, [&](std::size_t i) {
+            result[i] += factor * (double(sums[i]) + own_cell(i, kernel, flux, offset));
+        });
     }
+
+    // What the cell of the cluster's own sample sends to it beyond what it does as a point.
+    template <class Offset>
+    double own_cell(std::size_t cluster, const Kernel& kernel, std::span<const float> flux,
+                    const Offset& offset) const {
+        if (own_sample_[cluster] < 0) return 0;
+        const auto i = std::size_t(own_sample_[cluster]);
+        const Vec3 d = offset(i);
+        const Cell cell(light_.normal[i], light_.area[i]);
+        double mean = 0;
+        for (int k = 0; k < kCellPoints; ++k) {
+            const Vec3 to = d + cell.point(k);
+            mean += kernel(double(glm::dot(to, to))) / kCellPoints;
+        }
+        return double(flux[i]) * (mean - kernel(double(glm::dot(d, d))));
+    }
+
+    // Of the distance from a source in an infinite medium, mean free paths; well below the first
+    // depth.
+    static constexpr double kSoftening = 0.02;
 
     const EnteringLight& light_;
     const SurfaceClusters& clusters_;
+    std::span<const std::int64_t> own_sample_;
     double mfp_, alpha_prime_;
     ChannelDiffusion channel_;
     DiffusionConstants constants_;
     double unit_;
     TargetGroups targets_;
-    std::vector<float> flux_;
+    int c_;
     double range_;
 };
 
-}  // namespace
+// [cluster] where its own sample is in the light, or -1 if it is dark.
+std::vector<std::int64_t> own_samples(const SurfaceClusters& clusters, const EnteringLight& light,
+                                      std::size_t samples) {
+    std::vector<std::int64_t> lit(samples, -1), own(clusters.count());
+    for (std::size_t i = 0; i < light.index.size(); ++i) lit[light.index[i]] = std::int64_t(i);
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] = lit[clusters.nearest[i]];
+    return own;
+}
+
+float BodyDiffusion::deepest_source(const Medium& medium) {
+    return float(kDepths[std::size(kDepths) - 1].t) * max_channel(medium.mean_free_path());
+}
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium,
                              std::size_t clusters)
@@ -136,32 +198,26 @@ BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium
     }
 }
 
-ClusterRatio BodyDiffusion::solve(const EnteringLight& light, Report& report) const {
+BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
     const std::size_t n = clusters_.count();
-    report = {n};
-    std::vector<Rgb> B(n), H(n);
-    if (light.position.empty()) return {clusters_, std::move(B), std::move(H)};
+    Solution result{std::vector<Rgb>(n), std::vector<Rgb>(n)};
+    if (light.position.empty()) return result;
+    const auto own = own_samples(clusters_, light, clusters_.order.size());
     for (int c = 0; c < 3; ++c) {
         const ChannelDiffusion& channel = channels_[std::size_t(c)];
-        const ClusterSums sums(light, clusters_, reduced_channel(medium_, c), channel, c);
+        const ClusterSums sums(light, clusters_, own, reduced_channel(medium_, c), channel, c);
         const std::vector<double> S = sums.in_infinite_medium(), Hs = sums.in_half_space();
         std::vector<double> guess(n);
         for (std::size_t i = 0; i < n; ++i) guess[i] = 2 * channel.A * Hs[i];
         const auto solution = operators_[std::size_t(c)]->solve(S, guess, kSolveTolerance);
-        report.iterations = std::max(report.iterations, solution.iterations);
-        report.converged = report.converged && solution.converged;
+        result.iterations = std::max(result.iterations, solution.iterations);
+        result.converged = result.converged && solution.converged;
         for (std::size_t i = 0; i < n; ++i) {
-            B[i][c] = float(std::max(0.0, solution.phi[i] / (2 * channel.A)));
-            H[i][c] = float(Hs[i]);
+            result.B[i][c] = float(std::max(0.0, solution.phi[i] / (2 * channel.A)));
+            result.Hs[i][c] = float(Hs[i]);
         }
     }
-    if (std::getenv("TALLOW_DEBUG")) {
-        Rgb b, h, e; float a = 0;
-        for (std::size_t i = 0; i < n; ++i) b += clusters_.area[i] * B[i], h += clusters_.area[i] * H[i], a += clusters_.area[i];
-        for (std::size_t i = 0; i < light.area.size(); ++i) e += light.area[i] * light.E_t[i];
-        for (int c = 0; c < 3; ++c) std::fprintf(stderr, "c %d E %g B/E %g H/E %g\n", c, double(e[c]), double(b[c]/e[c]), double(h[c]/e[c]));
-    }
-    return {clusters_, std::move(B), std::move(H)};
+    return result;
 }
 
 }  // namespace tallow

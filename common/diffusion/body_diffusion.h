@@ -21,6 +21,8 @@ struct EnteringLight {
     std::span<const Vec3> w_i;       // [sample] mean direction of travel inside
     std::span<const Rgb> E_t;        // [sample] transmitted irradiance, W/mm^2
     std::span<const float> area;     // [sample] mm^2
+    std::span<const float> depth;    // [sample] mm along w_i to where the beam leaves the body
+    std::span<const std::uint32_t> index;  // [sample] in the SampledSurface
     std::span<const OctreeNode> nodes;
 };
 
@@ -36,13 +38,17 @@ public:
     /// Clusters and operators, for any light. `samples` are all of the closed surface.
     BodyDiffusion(const SampledSurface& samples, const Medium& medium, std::size_t clusters);
 
-    struct Report {
-        std::size_t clusters = 0;
-        int iterations = 0;  // the most of any channel
+    /// Depth along a beam beyond which no source lies, mm.
+    static float deepest_source(const Medium& medium);
+
+    struct Solution {
+        std::vector<Rgb> B, Hs;  // [cluster] W/mm^2, >= 0
+        int iterations = 0;      // of GMRES, the most of any channel
         bool converged = true;
     };
-    /// B / Hs for some light.
-    ClusterRatio solve(const EnteringLight& light, Report& report) const;
+    Solution solve(const EnteringLight& light) const;
+
+    const SurfaceClusters& clusters() const { return clusters_; }
 
 private:
     Medium medium_;

@@ -2,9 +2,7 @@
 #include "common/diffusion/surface_clusters.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "common/base/parallel.h"
@@ -12,9 +10,12 @@
 namespace tallow {
 namespace {
 
-// How far apart two normals at a right angle count, in cluster sizes. Chosen: a cluster does not
-// reach around an edge, and a smoothly curved surface is still cut by position.
-constexpr float kNormalWeight = 2;
+// Normals of a patch differ by at most so much in any of x, y, z. Chosen: patches do not reach around
+// edges, and a smooth surface of many patches is not cut for its curvature.
+constexpr float kMostNormalExtent = 0.8f;
+
+// Halving leaves patches of half to all of the area at which it stops: their mean.
+constexpr double kMeanOfHalving = 0.72;
 
 struct Range {
     std::uint32_t begin, end;
@@ -22,70 +23,85 @@ struct Range {
 
 class Splitter {
 public:
-    Splitter(const SampledSurface& samples, float normal_scale, std::vector<std::uint32_t>& order)
-        : samples_(samples), normal_scale_(normal_scale), order_(order) {}
+    Splitter(const SampledSurface& samples, double largest_area, std::vector<std::uint32_t>& order)
+        : samples_(samples), largest_area_(largest_area), order_(order) {}
 
-    /// The range in two parts of equal area, of which none is empty.
-    std::array<Range, 2> split(Range range) const {
-        const int axis = widest(range);
+    /// The range in two parts, or alone, if it is small enough.
+    std::vector<Range> split(Range range) const {
+        const auto [normal_axis, normal_extent] = widest(range, samples_.normal);
+        const bool edge = normal_extent > kMostNormalExtent;
+        if (range.end - range.begin < 2 || (!edge && area(range) <= largest_area_)) return {range};
         const auto begin = order_.begin() + range.begin, end = order_.begin() + range.end;
-        std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
-            const float u = coordinate(a, axis), v = coordinate(b, axis);
-            return u < v || (u == v && a < b);
-        });
-        double half = 0;
-        for (auto i = begin; i != end; ++i) half += samples_.area[*i];
-        half /= 2;
-        auto middle = begin;
-        for (double sum = 0; sum < half && middle != end; ++middle) sum += samples_.area[*middle];
-        middle = std::clamp(middle, begin + 1, end - 1);
+        // A large patch is halved in space first: most of what differs in it lies far apart.
+        const bool by_normal = edge && area(range) <= 2 * largest_area_;
+        const auto middle = by_normal ? part_normals(begin, end, normal_axis)
+                                      : part_areas(begin, end, widest(range, samples_.position).axis);
         const auto cut = std::uint32_t(middle - order_.begin());
-        return {{{range.begin, cut}, {cut, range.end}}};
+        return {{range.begin, cut}, {cut, range.end}};
     }
 
 private:
-    float coordinate(std::uint32_t sample, int axis) const {
-        return axis < 3 ? samples_.position[sample][axis]
-                        : normal_scale_ * samples_.normal[sample][axis - 3];
+    using Iterator = std::vector<std::uint32_t>::iterator;
+    struct Extent {
+        int axis;
+        float length, middle;
+    };
+
+    double area(Range range) const {
+        double sum = 0;
+        for (std::uint32_t i = range.begin; i < range.end; ++i)
+            sum += double(samples_.area[order_[i]]);
+        return sum;
     }
-    int widest(Range range) const {
-        int best = 0;
-        float extent = -1;
-        for (int axis = 0; axis < 6; ++axis) {
-            float low = std::numeric_limits<float>::max(), high = -low;
-            for (std::uint32_t i = range.begin; i < range.end; ++i) {
-                const float x = coordinate(order_[i], axis);
-                low = std::min(low, x), high = std::max(high, x);
-            }
-            if (high - low > extent) extent = high - low, best = axis;
+    Extent widest(Range range, std::span<const Vec3> values) const {
+        Vec3 low = values[order_[range.begin]], high = low;
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+            low = glm::min(low, values[order_[i]]);
+            high = glm::max(high, values[order_[i]]);
         }
-        return best;
+        const Vec3 size = high - low;
+        int axis = size.x >= size.y ? 0 : 1;
+        if (size.z > size[axis]) axis = 2;
+        return {axis, size[axis], (low[axis] + high[axis]) / 2};
+    }
+    Iterator part_normals(Iterator begin, Iterator end, int axis) const {
+        const float middle =
+            widest({std::uint32_t(begin - order_.begin()), std::uint32_t(end - order_.begin())},
+                   samples_.normal)
+                .middle;
+        return std::stable_partition(
+            begin, end, [&](std::uint32_t i) { return samples_.normal[i][axis] < middle; });
+    }
+    Iterator part_areas(Iterator begin, Iterator end, int axis) const {
+        std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+            const float u = samples_.position[a][axis], v = samples_.position[b][axis];
+            return u < v || (u == v && a < b);
+        });
+        double half = 0;
+        for (auto i = begin; i != end; ++i) half += double(samples_.area[*i]) / 2;
+        auto middle = begin;
+        for (double sum = 0; sum < half && middle != end; ++middle)
+            sum += double(samples_.area[*middle]);
+        return std::clamp(middle, begin + 1, end - 1);
     }
 
     const SampledSurface& samples_;
-    float normal_scale_;
+    double largest_area_;
     std::vector<std::uint32_t>& order_;
 };
 
-// Halves all ranges, level by level, until there are enough.
-std::vector<Range> split_all(const Splitter& splitter, std::uint32_t samples, std::size_t count) {
+// Halves all ranges, level by level, until none is too large.
+std::vector<Range> split_all(const Splitter& splitter, std::uint32_t samples) {
     std::vector<Range> ranges{{0, samples}};
-    while (ranges.size() < count) {
-        std::vector<std::array<Range, 2>> halves(ranges.size());
-        parallel_for(ranges.size(), 1, [&](std::size_t i) {
-            halves[i] = ranges[i].end - ranges[i].begin > 1
-                            ? splitter.split(ranges[i])
-                            : std::array<Range, 2>{ranges[i], Range{0, 0}};
-        });
+    for (;;) {
+        std::vector<std::vector<Range>> parts(ranges.size());
+        parallel_for(ranges.size(), 1,
+                     [&](std::size_t i) { parts[i] = splitter.split(ranges[i]); });
         std::vector<Range> next;
-        for (const auto& [a, b] : halves) {
-            next.push_back(a);
-            if (b.end > b.begin) next.push_back(b);
-        }
-        if (next.size() == ranges.size()) break;
+        for (const auto& part : parts) next.insert(next.end(), part.begin(), part.end());
+        if (next.size() == ranges.size()) return ranges;
         ranges = std::move(next);
     }
-    return ranges;
 }
 
 void describe(const SampledSurface& samples, SurfaceClusters& clusters, std::size_t cluster) {
@@ -106,6 +122,7 @@ void describe(const SampledSurface& samples, SurfaceClusters& clusters, std::siz
     const std::uint32_t nearest = *std::min_element(
         members.begin(), members.end(),
         [&](std::uint32_t a, std::uint32_t b) { return distance(a) < distance(b); });
+    clusters.nearest[cluster] = nearest;
     clusters.position[cluster] = samples.position[nearest];
     clusters.normal[cluster] = samples.normal[nearest];
     clusters.centroid[cluster] = Vec3(centroid);
@@ -121,13 +138,13 @@ SurfaceClusters cluster_surface(const SampledSurface& samples, std::size_t count
     std::iota(clusters.order.begin(), clusters.order.end(), 0u);
     double area = 0;
     for (const float a : samples.area) area += double(a);
-    const auto normal_scale = float(kNormalWeight * std::sqrt(area / double(count)));
-    const Splitter splitter(samples, normal_scale, clusters.order);
+    const Splitter splitter(samples, area / (kMeanOfHalving * double(count)), clusters.order);
     std::vector<Range> ranges;
-    if (samples.size() > 0) ranges = split_all(splitter, std::uint32_t(samples.size()), count);
+    if (samples.size() > 0) ranges = split_all(splitter, std::uint32_t(samples.size()));
     for (const Range& range : ranges) clusters.first.push_back(range.begin);
     clusters.first.push_back(std::uint32_t(samples.size()));
     const std::size_t n = ranges.size();
+    clusters.nearest.resize(n);
     clusters.position.resize(n), clusters.normal.resize(n), clusters.centroid.resize(n);
     clusters.vector_area.resize(n), clusters.area.resize(n);
     parallel_for(n, 16, [&](std::size_t i) { describe(samples, clusters, i); });

@@ -23,8 +23,9 @@ struct SampledSurface {
 struct SurfaceClusters {
     std::vector<std::uint32_t> order;  // samples, cluster by cluster
     std::vector<std::uint32_t> first;  // [cluster + 1] its first sample in order[]
-    std::vector<Vec3> position;        // [cluster] mm, of the sample nearest to the centroid
-    std::vector<Vec3> normal;          // [cluster] unit, of the same sample
+    std::vector<std::uint32_t> nearest;  // [cluster] the sample nearest to the centroid
+    std::vector<Vec3> position;          // [cluster] mm, of that sample
+    std::vector<Vec3> normal;            // [cluster] unit, of that sample
     std::vector<Vec3> centroid;        // [cluster] mm, weighted by area
     std::vector<Vec3> vector_area;     // [cluster] mm^2, sum of area times normal
     std::vector<float> area;           // [cluster] mm^2
@@ -36,8 +37,9 @@ struct SurfaceClusters {
     }
 };
 
-/// Halves the samples by area, across the widest extent of position and normal together, until there
-/// are `count` patches or a few more: at most one a sample. The same for any number of threads.
+/// Halves the samples, until no patch has much more than a `count`-th of the area or normals that
+/// differ by much: about `count` patches on a smooth surface, more where it has edges, at most one a
+/// sample. The same for any number of threads.
 SurfaceClusters cluster_surface(const SampledSurface& samples, std::size_t count);
 
 }  // namespace tallow

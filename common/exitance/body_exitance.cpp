@@ -33,18 +33,19 @@ BodyExitance::BodyExitance(const BodyView& body, const SubsurfaceMaterial& mater
         const char* clusters = std::getenv("CLUSTERS");
         diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas},
                            material.medium, clusters ? std::size_t(std::atoi(clusters)) : kClusters);
+        beam_length_ = BodyDiffusion::deepest_source(material.medium);
     }
 }
 
-ExitanceField BodyExitance::field(const LitSamples& lit, ExitanceAccuracy accuracy,
-                                  Report* report) const {
+ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const float> beams,
+                                  ExitanceAccuracy accuracy, Report* report) const {
     std::optional<ClusterRatio> ratio;
     if (diffusion_) {
-        BodyDiffusion::Report solved;
-        ratio = diffusion_->solve(
-            {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, lit.nodes}, solved);
+        auto solved = diffusion_->solve(
+            {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, beams, lit.index, lit.nodes});
+        ratio.emplace(diffusion_->clusters(), std::move(solved.B), std::move(solved.Hs));
         if (report != nullptr) {
-            report->clusters = solved.clusters;
+            report->clusters = diffusion_->clusters().count();
             report->iterations = std::max(report->iterations, solved.iterations);
             report->converged = report->converged && solved.converged;
         }

@@ -28,9 +28,13 @@ public:
         int iterations = 0;        ///< of the solve, the most of any channel and light
         bool converged = true;
     };
-    /// The exitance under some light. Adds what its solve took to `report`, if there is one.
-    ExitanceField field(const LitSamples& lit, ExitanceAccuracy accuracy,
-                        Report* report = nullptr) const;
+    /// How far beams of light are to be followed for field(), mm; 0 if they are not asked for.
+    float beam_length() const { return beam_length_; }
+
+    /// The exitance under some light, whose beams leave the body after beams[sample] mm (or later
+    /// than beam_length()). Adds what its solve took to `report`, if there is one.
+    ExitanceField field(const LitSamples& lit, std::span<const float> beams,
+                        ExitanceAccuracy accuracy, Report* report = nullptr) const;
 
 private:
     const BodyView& body_;
@@ -38,6 +42,7 @@ private:
     ExitanceKernels kernels_;
     ExitanceShifts shifts_;
     std::optional<BodyDiffusion> diffusion_;
+    float beam_length_ = 0;
 };
 
 }  // namespace tallow

@@ -14,6 +14,7 @@ namespace tallow {
 struct LitSamples {
     std::vector<Vec3> position;     // [sample] mm, in Morton order
     std::vector<Rgb> E_t;           // [sample] W/mm^2, some channel > 0
+    std::vector<std::uint32_t> index;  // [sample] in the body
     std::vector<Vec3> normal;       // [sample] unit, outward
     std::vector<Vec3> w_i;          // [sample] mean direction of travel inside, see cache_format.h
     std::vector<float> area;        // [sample] mm^2
