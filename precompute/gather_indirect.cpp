@@ -12,6 +12,7 @@
 #include "common/base/parallel.h"
 #include "common/base/rng.h"
 #include "common/exitance/body_exitance.h"
+#include "common/lighting/beam_lengths.h"
 #include "common/lighting/cosine_direction.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
@@ -28,17 +29,20 @@ constexpr std::size_t kBlock = 64;  // samples of a task
 /// A body's exitance under each light group alone.
 using GroupFields = std::vector<std::unique_ptr<ExitanceField>>;
 
-GroupFields make_fields(const Scene& scene, const BodyView& body, const BodyExitance& exitance,
-                        float tolerance) {
+GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView& body,
+                        const BodyExitance& exitance, float tolerance) {
     GroupFields fields;
     for (std::size_t g = 0; g < scene.groups.size(); ++g) {
         std::vector<LightGroup> only(scene.groups.size(), {"", Rgb(0)});
         only[g].scale = Rgb(1);
         const LitSamples lit = light_samples(body, only);
-        fields.push_back(lit.position.empty()
-                             ? nullptr
-                             : std::make_unique<ExitanceField>(
-                                   exitance.field(lit, ExitanceAccuracy{tolerance})));
+        if (lit.position.empty()) {
+            fields.push_back(nullptr);
+            continue;
+        }
+        const auto beams = beam_lengths(rays, body.object, lit, exitance.beam_length());
+        fields.push_back(std::make_unique<ExitanceField>(
+            exitance.field(lit, beams, ExitanceAccuracy{tolerance})));
     }
     return fields;
 }
@@ -236,7 +240,7 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
         std::vector<GroupFields> fields(scene.objects.size());
         for (std::size_t b = 0; b < bodies.size(); ++b)
             fields[bodies[b].object] =
-                make_fields(scene, bodies[b].view(), exitance[b], options.tolerance);
+                make_fields(scene, rays, bodies[b].view(), exitance[b], options.tolerance);
         for (SampledBody& body : bodies) body.indirect = {};  // the fields have it
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             light[b].by_bodies = dark(scene.groups.size(), bodies[b].samples.size());

@@ -73,6 +73,11 @@ Stats make_stats(std::string tool, int threads) {
     return stats;
 }
 
+void add_count(Stats& stats, const std::string& name, std::int64_t count) {
+    const auto [counted, is_new] = stats.counts.try_emplace(name, std::int64_t{0});
+    std::get<std::int64_t>(counted->second) += count;
+}
+
 void write_stats(const std::filesystem::path& file, const Stats& stats) {
     const nlohmann::json json = {{"tool", stats.tool},
                                  {"seconds", nlohmann::json(stats.seconds)},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -26,6 +27,9 @@ struct Stats {
 
 /// Fills `versions` with tallow's own, the compiler's and the libraries', and the thread count.
 Stats make_stats(std::string tool, int threads);
+
+/// Adds to a count, which is 0 before.
+void add_count(Stats& stats, const std::string& name, std::int64_t count);
 
 /// Writes JSON {"tool", "seconds", "counts", "errors", "versions", "plan"}. Throws OutputError.
 void write_stats(const std::filesystem::path& file, const Stats& stats);

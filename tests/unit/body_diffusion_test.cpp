@@ -21,20 +21,24 @@ struct LitSurface {
     std::vector<float> area;
     std::vector<Rgb> E_t;
     std::vector<OctreeNode> nodes;
+    std::vector<float> depth;
+    std::vector<std::uint32_t> index;
 
     void add(Vec3 x, Vec3 n, float a, float E) {
         position.push_back(x), normal.push_back(n), w_i.push_back(-n);
         area.push_back(a), E_t.push_back(Rgb(E));
     }
-    void build_tree() {
+    void build_tree(float beam_length = 1e9f) {
         const auto order = sorted_order(morton_codes(position));
         LitSurface sorted;
         for (const auto i : order) sorted.add(position[i], normal[i], area[i], E_t[i][0]);
         sorted.nodes = build_octree(sorted.position);
+        sorted.depth.assign(position.size(), beam_length);
+        for (std::uint32_t i = 0; i < position.size(); ++i) sorted.index.push_back(i);
         *this = std::move(sorted);
     }
     SampledSurface surface() const { return {position, normal, area}; }
-    EnteringLight light() const { return {position, normal, w_i, E_t, area, nodes}; }
+    EnteringLight light() const { return {position, normal, w_i, E_t, area, depth, index, nodes}; }
 };
 
 constexpr double kRadius = 10;
@@ -72,7 +76,7 @@ LitSurface lit_plate(double thickness, double step) {
                 plate.add({side * kHalf, x, z}, {side, 0, 0}, float(h * v), 0);
                 plate.add({x, side * kHalf, z}, {0, side, 0}, float(h * v), 0);
             }
-    plate.build_tree();
+    plate.build_tree(float(thickness));
     return plate;
 }
 
