@@ -98,13 +98,18 @@ public:
     }
 
     /// Hs: exitance that the same sources have in a half-space.
-    std::vector<double> in_half_space() const {
+    std::vector<double> in_half_space(double images) const {
         const double to_units = 1 / mfp_;
         const auto kernel = [&](double r2) {
+            const double u = r2 * to_units * to_units;
             double sum = 0;
-            for (const Depth& depth : kDepths)
-                sum += depth.weight *
-                       image_pair(r2 * to_units * to_units, depth.t, constants_).fluence;
+            for (const Depth& depth : kDepths) {
+                double fluence = 0;
+                if (images > 0) fluence += images * image_pair(u, depth.t, constants_).fluence;
+                if (images < 1)
+                    fluence += (1 - images) * half_space_fluence(u, depth.t, constants_);
+                sum += depth.weight * fluence;
+            }
             return sum * to_units;
         };
         const double factor = alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
@@ -185,13 +190,15 @@ std::vector<std::int64_t> own_samples(const SurfaceClusters& clusters, const Ent
     return own;
 }
 
+}  // namespace
+
 float BodyDiffusion::deepest_source(const Medium& medium) {
     return float(kDepths[std::size(kDepths) - 1].t) * max_channel(medium.mean_free_path());
 }
 
-BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium,
+BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
                              std::size_t clusters)
-    : medium_(medium), clusters_(cluster_surface(samples, clusters)) {
+    : medium_(medium), images_(images), clusters_(cluster_surface(samples, clusters)) {
     for (int c = 0; c < 3; ++c) {
         channels_[std::size_t(c)] = channel_diffusion(medium, c);
         operators_[std::size_t(c)].emplace(samples, clusters_, channels_[std::size_t(c)]);
@@ -206,7 +213,7 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
     for (int c = 0; c < 3; ++c) {
         const ChannelDiffusion& channel = channels_[std::size_t(c)];
         const ClusterSums sums(light, clusters_, own, reduced_channel(medium_, c), channel, c);
-        const std::vector<double> S = sums.in_infinite_medium(), Hs = sums.in_half_space();
+        const std::vector<double> S = sums.in_infinite_medium(), Hs = sums.in_half_space(double(images_[c]));
         std::vector<double> guess(n);
         for (std::size_t i = 0; i < n; ++i) guess[i] = 2 * channel.A * Hs[i];
         const auto solution = operators_[std::size_t(c)]->solve(S, guess, kSolveTolerance);

@@ -35,8 +35,11 @@ struct EnteringLight {
 /// Source   docs/BODY_AWARE.md.
 class BodyDiffusion {
 public:
-    /// Clusters and operators, for any light. `samples` are all of the closed surface.
-    BodyDiffusion(const SampledSurface& samples, const Medium& medium, std::size_t clusters);
+    /// Clusters and operators, for any light. `samples` are all of the closed surface. `images`
+    /// [channel] is the share of image sources in the half-space that the profile stands for; the
+    /// rest of it has the boundary condition of the body.
+    BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
+                  std::size_t clusters);
 
     /// Depth along a beam beyond which no source lies, mm.
     static float deepest_source(const Medium& medium);
@@ -52,6 +55,7 @@ public:
 
 private:
     Medium medium_;
+    Rgb images_;
     SurfaceClusters clusters_;
     std::array<ChannelDiffusion, 3> channels_;
     std::array<std::optional<BoundaryOperator>, 3> operators_;

@@ -28,16 +28,16 @@ public:
 
     /// The range in two parts, or alone, if it is small enough.
     std::vector<Range> split(Range range) const {
-        const auto [normal_axis, normal_extent] = widest(range, samples_.normal);
-        const bool edge = normal_extent > kMostNormalExtent;
+        const Extent normals = widest(range, samples_.normal);
+        const bool edge = normals.length > kMostNormalExtent;
         if (range.end - range.begin < 2 || (!edge && area(range) <= largest_area_)) return {range};
         const auto begin = order_.begin() + range.begin, end = order_.begin() + range.end;
         // A large patch is halved in space first: most of what differs in it lies far apart.
         const bool by_normal = edge && area(range) <= 2 * largest_area_;
-        const auto middle = by_normal ? part_normals(begin, end, normal_axis)
+        const auto middle = by_normal ? part_normals(begin, end, normals)
                                       : part_areas(begin, end, widest(range, samples_.position).axis);
         const auto cut = std::uint32_t(middle - order_.begin());
-        return {{range.begin, cut}, {cut, range.end}};
+        return {Range{range.begin, cut}, Range{cut, range.end}};
     }
 
 private:
@@ -64,13 +64,10 @@ private:
         if (size.z > size[axis]) axis = 2;
         return {axis, size[axis], (low[axis] + high[axis]) / 2};
     }
-    Iterator part_normals(Iterator begin, Iterator end, int axis) const {
-        const float middle =
-            widest({std::uint32_t(begin - order_.begin()), std::uint32_t(end - order_.begin())},
-                   samples_.normal)
-                .middle;
-        return std::stable_partition(
-            begin, end, [&](std::uint32_t i) { return samples_.normal[i][axis] < middle; });
+    Iterator part_normals(Iterator begin, Iterator end, const Extent& extent) const {
+        return std::stable_partition(begin, end, [&](std::uint32_t i) {
+            return samples_.normal[i][extent.axis] < extent.middle;
+        });
     }
     Iterator part_areas(Iterator begin, Iterator end, int axis) const {
         std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {

@@ -21,6 +21,19 @@ ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
     return shifts;
 }
 
+// What the half-space of a profile has in place of the boundary condition: all models but transport
+// rest on image sources.
+Rgb image_shares(const SubsurfaceMaterial& material) {
+    switch (material.model) {
+        case Model::transport:
+        case Model::normalized_diffusion: return Rgb(0);
+        case Model::body_aware:
+            return map(material.medium.alpha_prime(),
+                       [](float alpha) { return float(share_of_diffusion(double(alpha))); });
+        default: return Rgb(1);
+    }
+}
+
 }  // namespace
 
 BodyExitance::BodyExitance(const BodyView& body, const SubsurfaceMaterial& material, Orders orders,
@@ -32,7 +45,7 @@ BodyExitance::BodyExitance(const BodyView& body, const SubsurfaceMaterial& mater
     if (material.boundary_elements) {
         const char* clusters = std::getenv("CLUSTERS");
         diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas},
-                           material.medium, clusters ? std::size_t(std::atoi(clusters)) : kClusters);
+                           material.medium, image_shares(material), clusters ? std::size_t(std::atoi(clusters)) : kClusters);
         beam_length_ = BodyDiffusion::deepest_source(material.medium);
     }
 }

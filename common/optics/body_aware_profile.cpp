@@ -39,10 +39,14 @@ private:
 
 }  // namespace
 
+double share_of_diffusion(double alpha_prime) {
+    const double t =
+        std::clamp((alpha_prime - kTransportBelow) / (kDiffusionAbove - kTransportBelow), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
 std::unique_ptr<Profile> body_aware_profile(const ReducedChannel& channel, Orders orders) {
-    const double t = std::clamp(
-        (channel.alpha_prime - kTransportBelow) / (kDiffusionAbove - kTransportBelow), 0.0, 1.0);
-    const double weight = t * t * (3 - 2 * t);
+    const double weight = share_of_diffusion(channel.alpha_prime);
     if (weight == 0) return transport_profile(channel, orders);
     if (weight == 1 && orders == Orders::two_and_more)
         return photon_beam_diffusion_profile(channel);

@@ -53,6 +53,9 @@ public:
 /// hold what their authors put in.
 enum class Orders { all, two_and_more };
 
+/// Share of photon beam diffusion in the profile of Model::body_aware; the rest is transport.
+double share_of_diffusion(double alpha_prime);
+
 /// The profile of channel `channel` of a medium.
 ///
 /// Throws   InputError for `transport` and `normalized_diffusion`, which takes its total from it,

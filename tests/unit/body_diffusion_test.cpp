@@ -130,7 +130,7 @@ double sphere_exitance(const Constants& k, int l) {
 TEST(BodyDiffusion, SphereMatchesItsClosedForm) {
     const LitSurface sphere = lit_sphere(20000);
     for (const float sigma_a : {0.0003f, 0.01f, 0.3f}) {
-        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), 1000);
+        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), Rgb(0), 1000);
         const auto solution = diffusion.solve(sphere.light());
         EXPECT_TRUE(solution.converged);
         const Constants k = constants(medium(sigma_a));
@@ -151,7 +151,7 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
     for (const double thickness : {1.5, 6.0})
         for (const float sigma_a : {0.01f, 0.2f}) {
             const LitSurface plate = lit_plate(thickness, 0.5);
-            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), 2000);
+            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), Rgb(0), 2000);
             const auto solution = diffusion.solve(plate.light());
             const Constants k = constants(medium(sigma_a));
             const auto u = [&](double x) {
@@ -185,7 +185,7 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
 
 TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     const LitSurface block = lit_plate(40, 1.0);
-    const BodyDiffusion diffusion(block.surface(), medium(0.3f), 4000);
+    const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), 4000);
     const auto solution = diffusion.solve(block.light());
     for (std::size_t i = 0; i < solution.B.size(); ++i) {
         const Vec3 x = diffusion.clusters().position[i];
