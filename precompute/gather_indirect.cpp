@@ -226,9 +226,8 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
     views.reserve(bodies.size());
     std::size_t samples = 0;
     for (SampledBody& body : bodies) {
-        const SubsurfaceMaterial& material = *subsurface(scene, body.object);
         views.push_back(body.view());
-        exitance.emplace_back(views.back(), material, Orders::all, ExitanceUse::paths);
+        exitance.emplace_back(views.back(), scene, Orders::all, ExitanceUse::paths);
         const std::size_t count = body.samples.size();
         light.push_back({dark(scene.groups.size(), count), {}});
         samples += count;

@@ -54,28 +54,29 @@ PreparedScene::PreparedScene(Scene scene, const SceneGeometry& geometry, CacheVi
 
 void PreparedScene::prepare_bodies(Stats& stats) {
     const PhaseTimer timer(stats, "octree");
-    std::int64_t samples = 0, lit = 0;
+    std::int64_t samples = 0, lit = 0, clusters = 0;
     for (const BodyView& view : cache_.bodies) {
         const SubsurfaceMaterial& material = *subsurface(scene_, view.object);
         const LitSamples lit_samples = light_samples(
             view, scene_.groups, indirect_bounces(scene_) > 0 ? indirect_gain(material) : Rgb(0));
         samples += std::int64_t(view.positions.size());
         lit += std::int64_t(lit_samples.position.size());
-        const BodyExitance exitance(view, material, orders_of_exitance(material),
-                                    ExitanceUse::seen);
-        const auto beams =
-            beam_lengths(rays_, view.object, lit_samples, exitance.beam_length());
+        const BodyExitance exitance(view, scene_, orders_of_exitance(material), ExitanceUse::seen);
+        BodyExitance::Report solved;
+        const auto beams = beam_lengths(rays_, view.object, lit_samples, exitance.beam_length());
         bodies_[view.object].emplace(
             PreparedBody{&material, surface_factors(material),
-                         exitance.field(lit_samples, beams, accuracy_),
+                         exitance.field(lit_samples, beams, accuracy_, &solved),
                          march_steps_of_pixel(material.model, material.medium, accuracy_.tolerance),
                          std::nullopt});
+        clusters += std::int64_t(solved.clusters);
         if (material.connection == Connection::exact)
             bodies_[view.object]->connections.emplace(geometry_.surfaces[view.object],
                                                       material.medium.eta);
     }
     stats.counts["samples"] = samples;
     stats.counts["lit_samples"] = lit;
+    if (clusters > 0) stats.counts["clusters"] = clusters;
 }
 
 }  // namespace tallow

@@ -212,7 +212,9 @@ struct MaterialPairs {
         pairs.add("model", std::string(std::ranges::find(kModels, body.model,
                                                          &decltype(kModels)::value_type::second)
                                            ->first));
-        pairs.add("exit", std::string(body.exit == Exit::normalized ? "normalized" : body.exit == Exit::classic ? "classic" : "directional"));
+        pairs.add("exit", std::string(body.exit == Exit::normalized ? "normalized"
+                                      : body.exit == Exit::classic  ? "classic"
+                                                                    : "directional"));
     }
     void operator()(const DiffuseMaterial& diffuse) const {
         pairs.add("type", "diffuse");

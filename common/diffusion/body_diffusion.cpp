@@ -52,8 +52,8 @@ public:
     Vec3 point(int k) const {
         constexpr float kGoldenAngle = 2.39996323f;
         const float r = radius_ * std::sqrt((float(k) + 0.5f) / kCellPoints);
-        return r * (std::cos(kGoldenAngle * float(k)) * s_ +
-                    std::sin(kGoldenAngle * float(k)) * t_);
+        return r *
+               (std::cos(kGoldenAngle * float(k)) * s_ + std::sin(kGoldenAngle * float(k)) * t_);
     }
 
 private:
@@ -91,7 +91,8 @@ public:
         const double factor = alpha_prime_ / (4 * std::numbers::pi * channel_.D);
         for (const Depth& depth : kDepths) {
             const auto t = float(depth.t * mfp_);
-            add(table, kernel, factor * depth.weight, t,
+            add(
+                table, kernel, factor * depth.weight, t,
                 [&](std::size_t i) { return t * light_.w_i[i]; }, S);
         }
         return S;
@@ -114,7 +115,8 @@ public:
         };
         const double factor = alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
         std::vector<double> H(clusters_.count());
-        add(tabulate_far(kernel), kernel, factor, 0,
+        add(
+            tabulate_far(kernel), kernel, factor, 0,
             [&](std::size_t i) {
                 return float(mfp_) * tangential(light_.w_i[i], light_.normal[i]);
             },
@@ -199,10 +201,10 @@ float BodyDiffusion::deepest_source(const Medium& medium) {
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
                              std::size_t clusters)
     : medium_(medium), images_(images), clusters_(cluster_surface(samples, clusters)) {
-    for (int c = 0; c < 3; ++c) {
-        channels_[std::size_t(c)] = channel_diffusion(medium, c);
-        operators_[std::size_t(c)].emplace(samples, clusters_, channels_[std::size_t(c)]);
-    }
+    parallel_for(3, 1, [&](std::size_t c) {
+        channels_[c] = channel_diffusion(medium, int(c));
+        operators_[c].emplace(samples, clusters_, channels_[c]);
+    });
 }
 
 BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
@@ -210,19 +212,24 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
     Solution result{std::vector<Rgb>(n), std::vector<Rgb>(n)};
     if (light.position.empty()) return result;
     const auto own = own_samples(clusters_, light, clusters_.order.size());
-    for (int c = 0; c < 3; ++c) {
-        const ChannelDiffusion& channel = channels_[std::size_t(c)];
-        const ClusterSums sums(light, clusters_, own, reduced_channel(medium_, c), channel, c);
-        const std::vector<double> S = sums.in_infinite_medium(), Hs = sums.in_half_space(double(images_[c]));
+    std::array<BoundaryOperator::Solution, 3> solutions;
+    parallel_for(3, 1, [&](std::size_t c) {
+        const ChannelDiffusion& channel = channels_[c];
+        const ClusterSums sums(light, clusters_, own, reduced_channel(medium_, int(c)), channel,
+                               int(c));
+        const auto S = sums.in_infinite_medium();
+        const auto Hs = sums.in_half_space(double(images_[int(c)]));
         std::vector<double> guess(n);
         for (std::size_t i = 0; i < n; ++i) guess[i] = 2 * channel.A * Hs[i];
-        const auto solution = operators_[std::size_t(c)]->solve(S, guess, kSolveTolerance);
+        solutions[c] = operators_[c]->solve(S, guess, kSolveTolerance);
+        for (std::size_t i = 0; i < n; ++i) {
+            result.B[i][int(c)] = float(std::max(0.0, solutions[c].phi[i] / (2 * channel.A)));
+            result.Hs[i][int(c)] = float(Hs[i]);
+        }
+    });
+    for (const BoundaryOperator::Solution& solution : solutions) {
         result.iterations = std::max(result.iterations, solution.iterations);
         result.converged = result.converged && solution.converged;
-        for (std::size_t i = 0; i < n; ++i) {
-            result.B[i][c] = float(std::max(0.0, solution.phi[i] / (2 * channel.A)));
-            result.Hs[i][c] = float(Hs[i]);
-        }
     }
     return result;
 }

@@ -20,8 +20,8 @@ constexpr float kNear = 3;
 
 constexpr float kInv4Pi = float(1 / (4 * std::numbers::pi));
 
-/// Integral over a piece of surface of vector area N, area a, at distance d from the point: its part
-/// of k, of k with the decay, and of the single layer.
+/// Integral over a piece of surface of vector area N, area a, at distance d from the point: its
+/// part of k, of k with the decay, and of the single layer.
 class PieceIntegral {
 public:
     explicit PieceIntegral(const ChannelDiffusion& channel)

@@ -16,8 +16,9 @@ struct ChannelDiffusion {
 
 /// The integral equation of diffusion inside a closed surface, on clusters:
 ///
-///     sum_j a_j k_ij (phi_i - (1 + s rho) e^(-s rho) phi_j) + sum_j a_j e^(-s rho) phi_j / (8 pi A D rho)
-///         = S_i,      k_ij = n_j . (y_j - x_i) / (4 pi rho^3),   rho = |y_j - x_i|
+///     sum_j a_j k_ij (phi_i - (1 + s rho) e^(-s rho) phi_j)
+///         + sum_j a_j e^(-s rho) phi_j / (8 pi A D rho) = S_i
+///     k_ij = n_j . (y_j - x_i) / (4 pi rho^3),   rho = |y_j - x_i|
 ///
 /// x_i is the cluster's position; where the cluster j is near, the integral over it runs over its
 /// samples, rho at least half of their radius. docs/BODY_AWARE.md derives it.

@@ -15,8 +15,9 @@ constexpr int kMostCells = 128;  // along an axis
 
 }  // namespace
 
-ClusterRatio::ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B,
-                           std::vector<Rgb> H) {
+ClusterRatio::ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, std::vector<Rgb> H,
+                           Rgb strength)
+    : strength_(strength) {
     const std::size_t n = clusters.count();
     if (n == 0) return;
     Vec3 high = low_ = clusters.position[0];
@@ -24,8 +25,7 @@ ClusterRatio::ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B,
     size_ = float(clusters.size);
     const float reach = kReach * size_;
     for (int axis = 0; axis < 3; ++axis)
-        cells_[axis] =
-            std::clamp(int((high[axis] - low_[axis]) / reach) + 1, 1, kMostCells);
+        cells_[axis] = std::clamp(int((high[axis] - low_[axis]) / reach) + 1, 1, kMostCells);
     std::vector<std::size_t> cell(n);
     first_.assign(std::size_t(cells_[0]) * std::size_t(cells_[1]) * std::size_t(cells_[2]) + 1, 0);
     for (std::size_t i = 0; i < n; ++i) ++first_[(cell[i] = cell_of(clusters.position[i])) + 1];
@@ -67,14 +67,14 @@ Rgb ClusterRatio::at(Vec3 position, Vec3 n) const {
                 if (d2 >= reach * reach || facing <= 0) continue;
                 // Falls to 0 at the reach, so that nothing jumps there.
                 const float edge = 1 - d2 / (reach * reach);
-                const float w = item.area * std::exp(-d2 / (2 * sigma * sigma)) * facing * facing *
-                                edge * edge;
+                const float w =
+                    item.area * std::exp(-d2 / (2 * sigma * sigma)) * facing * facing * edge * edge;
                 B += w * item.B, H += w * item.H;
             }
         }
     Rgb ratio(1);
     for (int c = 0; c < 3; ++c)
-        if (H[c] > 0) ratio[c] = std::clamp(B[c] / H[c], kLeast, kMost);
+        if (H[c] > 0) ratio[c] += strength_[c] * (std::clamp(B[c] / H[c], kLeast, kMost) - 1);
     return ratio;
 }
 

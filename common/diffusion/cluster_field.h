@@ -10,15 +10,19 @@ namespace tallow {
 
 /// The ratio of two fields that are known at the clusters of a surface, between them:
 ///
-///     ratio(x, n) = sum of w_j B_j / sum of w_j H_j,   w_j = a_j e^(-|x - x_j|^2 / (2 h^2)) max(0, n . n_j)^2
+///     ratio(x, n) = sum of w_j B_j / sum of w_j H_j
+///     w_j = a_j e^(-|x - x_j|^2 / (2 h^2)) max(0, n . n_j)^2
 ///
-/// with h of the clusters' size, clamped to [kLeast, kMost].
+/// with h near the clusters' size. Clamped to [kLeast, kMost], where the body's field is lost in
+/// the rounding of its largest values.
 class ClusterRatio {
 public:
-    static constexpr float kLeast = 0.3f, kMost = 50;
+    static constexpr float kLeast = 0.02f, kMost = 50;
 
-    /// B[cluster] and H[cluster] >= 0.
-    ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, std::vector<Rgb> H);
+    /// B[cluster] and H[cluster] >= 0. `strength` is the share of the ratio's departure from 1 that
+    /// counts.
+    ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, std::vector<Rgb> H,
+                 Rgb strength = Rgb(1));
 
     /// At a point of the surface [mm] with its unit normal; 1 where nothing is known.
     Rgb at(Vec3 position, Vec3 n) const;
@@ -32,7 +36,8 @@ private:
     std::size_t cell_of(Vec3 position) const;
     int index(float x, int axis) const;
 
-    float size_ = 0;  // of a cell, mm
+    Rgb strength_;
+    float size_ = 0;  // of a cluster, mm
     Vec3 low_{0};
     int cells_[3] = {1, 1, 1};
     std::vector<std::uint32_t> first_;  // [cell + 1] into items_

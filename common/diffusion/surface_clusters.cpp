@@ -10,8 +10,8 @@
 namespace tallow {
 namespace {
 
-// Normals of a patch differ by at most so much in any of x, y, z. Chosen: patches do not reach around
-// edges, and a smooth surface of many patches is not cut for its curvature.
+// Normals of a patch differ by at most so much in any of x, y, z. Chosen: patches do not reach
+// around edges, and a smooth surface of many patches is not cut for its curvature.
 constexpr float kMostNormalExtent = 0.8f;
 
 // Halving leaves patches of half to all of the area at which it stops: their mean.
@@ -34,8 +34,9 @@ public:
         const auto begin = order_.begin() + range.begin, end = order_.begin() + range.end;
         // A large patch is halved in space first: most of what differs in it lies far apart.
         const bool by_normal = edge && area(range) <= 2 * largest_area_;
-        const auto middle = by_normal ? part_normals(begin, end, normals)
-                                      : part_areas(begin, end, widest(range, samples_.position).axis);
+        const auto middle = by_normal
+                                ? part_normals(begin, end, normals)
+                                : part_positions(begin, end, widest(range, samples_.position).axis);
         const auto cut = std::uint32_t(middle - order_.begin());
         return {Range{range.begin, cut}, Range{cut, range.end}};
     }
@@ -69,17 +70,14 @@ private:
             return samples_.normal[i][extent.axis] < extent.middle;
         });
     }
-    Iterator part_areas(Iterator begin, Iterator end, int axis) const {
-        std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+    // Samples of a surface have nearly equal areas: as many on each side as on the other.
+    Iterator part_positions(Iterator begin, Iterator end, int axis) const {
+        const auto middle = begin + (end - begin) / 2;
+        std::nth_element(begin, middle, end, [&](std::uint32_t a, std::uint32_t b) {
             const float u = samples_.position[a][axis], v = samples_.position[b][axis];
             return u < v || (u == v && a < b);
         });
-        double half = 0;
-        for (auto i = begin; i != end; ++i) half += double(samples_.area[*i]) / 2;
-        auto middle = begin;
-        for (double sum = 0; sum < half && middle != end; ++middle)
-            sum += double(samples_.area[*middle]);
-        return std::clamp(middle, begin + 1, end - 1);
+        return middle;
     }
 
     const SampledSurface& samples_;

@@ -2,13 +2,19 @@
 #include "common/exitance/body_exitance.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace tallow {
 namespace {
 
 // Clusters of a body. Chosen: exitance changes by 0.2 % from 1000 to 4000, docs/BODY_AWARE.md.
 constexpr std::size_t kClusters = 2000;
+
+// Samples that are farther apart than light travels cannot tell what the light does near them: the
+// correction fades out while the mean free path falls from one spacing to half of it.
+Rgb strength_at(Rgb mean_free_paths_of_spacing) {
+    return map(mean_free_paths_of_spacing,
+               [](float ratio) { return std::clamp(2 * ratio - 1, 0.0f, 1.0f); });
+}
 
 ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
     ExitanceShifts shifts;
@@ -26,28 +32,31 @@ ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
 Rgb image_shares(const SubsurfaceMaterial& material) {
     switch (material.model) {
         case Model::transport:
-        case Model::normalized_diffusion: return Rgb(0);
+        case Model::normalized_diffusion:
+            return Rgb(0);
         case Model::body_aware:
             return map(material.medium.alpha_prime(),
                        [](float alpha) { return float(share_of_diffusion(double(alpha))); });
-        default: return Rgb(1);
+        default:
+            return Rgb(1);
     }
 }
 
 }  // namespace
 
-BodyExitance::BodyExitance(const BodyView& body, const SubsurfaceMaterial& material, Orders orders,
-                           ExitanceUse use)
-    : body_(body),
-      use_(use),
-      kernels_(make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm)),
-      shifts_(shifts_of(material)) {
-    if (material.boundary_elements) {
-        const char* clusters = std::getenv("CLUSTERS");
-        diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas},
-                           material.medium, image_shares(material), clusters ? std::size_t(std::atoi(clusters)) : kClusters);
-        beam_length_ = BodyDiffusion::deepest_source(material.medium);
-    }
+BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use)
+    : body_(body), use_(use) {
+    const SubsurfaceMaterial& material = *subsurface(scene, body.object);
+    kernels_.emplace(
+        make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm));
+    shifts_ = shifts_of(material);
+    strength_ = strength_at(material.medium.mean_free_path() / body.spacing_mm);
+    if (!material.boundary_elements || !encloses_volume(scene.objects[body.object].shape) ||
+        max_channel(strength_) == 0)
+        return;
+    diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
+                       image_shares(material), kClusters);
+    beam_length_ = BodyDiffusion::deepest_source(material.medium);
 }
 
 ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const float> beams,
@@ -56,7 +65,7 @@ ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const float> 
     if (diffusion_) {
         auto solved = diffusion_->solve(
             {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, beams, lit.index, lit.nodes});
-        ratio.emplace(diffusion_->clusters(), std::move(solved.B), std::move(solved.Hs));
+        ratio.emplace(diffusion_->clusters(), std::move(solved.B), std::move(solved.Hs), strength_);
         if (report != nullptr) {
             report->clusters = diffusion_->clusters().count();
             report->iterations = std::max(report->iterations, solved.iterations);
@@ -65,8 +74,8 @@ ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const float> 
     }
     // Where paths end the control variate's irradiance is not known, and its edges do not matter.
     if (use_ == ExitanceUse::paths)
-        return {{}, lit, ExitanceKernels{kernels_.profiles}, accuracy, shifts_, std::move(ratio)};
-    return {body_, lit, kernels_, accuracy, shifts_, std::move(ratio)};
+        return {{}, lit, ExitanceKernels{kernels_->profiles}, accuracy, shifts_, std::move(ratio)};
+    return {body_, lit, *kernels_, accuracy, shifts_, std::move(ratio)};
 }
 
 }  // namespace tallow

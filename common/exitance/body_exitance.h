@@ -19,9 +19,9 @@ enum class ExitanceUse { seen, paths };
 /// Source   docs/FINE_MEDIA.md, docs/BODY_AWARE.md.
 class BodyExitance {
 public:
-    /// `body` must outlive this and its fields.
-    BodyExitance(const BodyView& body, const SubsurfaceMaterial& material, Orders orders,
-                 ExitanceUse use);
+    /// `body` must outlive this and its fields. A plane has no diffusion of its own: it is the
+    /// half-space that the profile stands for.
+    BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use);
 
     struct Report {
         std::size_t clusters = 0;  ///< 0 if the body's diffusion was not solved
@@ -39,8 +39,9 @@ public:
 private:
     const BodyView& body_;
     ExitanceUse use_;
-    ExitanceKernels kernels_;
+    std::optional<ExitanceKernels> kernels_;
     ExitanceShifts shifts_;
+    Rgb strength_;  // of the body's diffusion
     std::optional<BodyDiffusion> diffusion_;
     float beam_length_ = 0;
 };

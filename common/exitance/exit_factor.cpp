@@ -25,8 +25,7 @@ SurfaceFactors surface_factors(const SubsurfaceMaterial& material) {
 }
 
 float exit_factor(const SurfaceFactors& factors, float cos_o) {
-    const float inside =
-        std::sqrt(1 - (1 - cos_o * cos_o) / (factors.eta * factors.eta));
+    const float inside = std::sqrt(1 - (1 - cos_o * cos_o) / (factors.eta * factors.eta));
     return fresnel_transmittance(factors.eta, cos_o) * (1 + factors.slope * inside) /
            factors.exit_norm;
 }

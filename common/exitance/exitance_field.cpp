@@ -49,18 +49,17 @@ ExitanceField::ExitanceField(const BodyView& body, const LitSamples& samples,
         parallel_for(flux.size(), kGrain,
                      [&](std::size_t i) { flux[i] = samples.E_t[i][int(c)] * samples.area[i]; });
         const auto position = [&](std::size_t i) {
-            return samples.position[i] + shifts.entry[c] * tangential(samples.w_i[i],
-                                                                      samples.normal[i]);
+            return samples.position[i] +
+                   shifts.entry[c] * tangential(samples.w_i[i], samples.normal[i]);
         };
         std::vector<Vec3> moved;
         if (shifts.any()) {
             moved.resize(flux.size());
             parallel_for(flux.size(), kGrain, [&](std::size_t i) { moved[i] = position(i); });
         }
-        sums_[c].emplace(
-            SampleSum::Samples{shifts.any() ? moved : samples.position, samples.area,
-                               samples.nodes},
-            flux, kernels.profiles[c], of_terms);
+        sums_[c].emplace(SampleSum::Samples{shifts.any() ? moved : samples.position, samples.area,
+                                            samples.nodes},
+                         flux, kernels.profiles[c], of_terms);
     }
     if (kernels.needs_irradiance()) variate_.emplace(body, samples, kernels, of_terms);
 }
@@ -79,8 +78,8 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
         if (shifts_.any()) {
             std::vector<Vec3> moved(points.size());
             parallel_for(points.size(), kGrain, [&](std::size_t i) {
-                moved[i] = points[i].position -
-                           shifts_.exit[c] * tangential(points[i].w_o, points[i].n);
+                moved[i] =
+                    points[i].position - shifts_.exit[c] * tangential(points[i].w_o, points[i].n);
             });
             sums_[c]->evaluate(SumTargets(std::move(moved), unit_, accuracy_), sum);
         } else {

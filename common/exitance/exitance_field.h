@@ -50,7 +50,6 @@ struct ExitanceShifts {
 /// Source   [JB02] section 3; docs/FINE_MEDIA.md.
 class ExitanceField {
 public:
-
     /// The plain sum, for samples that resolve the profiles.
     ExitanceField(const LitSamples& samples, std::array<KernelTable, 3> profiles,
                   ExitanceAccuracy accuracy);

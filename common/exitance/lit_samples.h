@@ -12,10 +12,10 @@ namespace tallow {
 /// The samples of one body that any light reaches, light groups added up with their scales, and
 /// the tree over them. A dark sample adds nothing to any sum, so it is dropped here once.
 struct LitSamples {
-    std::vector<Vec3> position;     // [sample] mm, in Morton order
-    std::vector<Rgb> E_t;           // [sample] W/mm^2, some channel > 0
+    std::vector<Vec3> position;        // [sample] mm, in Morton order
+    std::vector<Rgb> E_t;              // [sample] W/mm^2, some channel > 0
     std::vector<std::uint32_t> index;  // [sample] in the body
-    std::vector<Vec3> normal;       // [sample] unit, outward
+    std::vector<Vec3> normal;          // [sample] unit, outward
     std::vector<Vec3> w_i;          // [sample] mean direction of travel inside, see cache_format.h
     std::vector<float> area;        // [sample] mm^2
     std::vector<OctreeNode> nodes;  // depth first; every node owns at least one sample

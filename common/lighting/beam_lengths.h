@@ -8,8 +8,8 @@
 
 namespace tallow {
 
-/// How far light that entered at each sample goes straight on before it leaves the body, mm, at most
-/// `longest`. Empty if that is 0.
+/// How far light that entered at each sample goes straight on before it leaves the body, mm, at
+/// most `longest`. Empty if that is 0.
 std::vector<float> beam_lengths(const RayScene& rays, std::uint32_t object, const LitSamples& lit,
                                 float longest);
 

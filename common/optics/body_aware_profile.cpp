@@ -4,8 +4,8 @@
 //     R_{>= 2} = w P + (1 - w) T_{>= 2},   R_1 = T_{all} - T_{>= 2}
 //
 // P is photon beam diffusion, T the half-space's own transport. Where absorption is weak, diffusion
-// is what the correction speaks about, and errors of P and of diffusion in the body cancel; where it
-// is strong, light leaves before it diffuses, and T is right. w rises between two albedos.
+// is what the correction speaks about, and errors of P and of diffusion in the body cancel; where
+// it is strong, light leaves before it diffuses, and T is right. w rises between two albedos.
 #include <algorithm>
 
 #include "common/optics/profile_models.h"

@@ -166,8 +166,11 @@ MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
         material.exit = Exit::directional;
         material.shifts = material.boundary_elements = true;
     }
-    material.exit = map.choice_or(
-        "exit", {{"normalized", Exit::normalized}, {"classic", Exit::classic}, {"directional", Exit::directional}}, material.exit);
+    material.exit = map.choice_or("exit",
+                                  {{"normalized", Exit::normalized},
+                                   {"classic", Exit::classic},
+                                   {"directional", Exit::directional}},
+                                  material.exit);
     material.shifts = map.choice_or("shifts", {{"on", true}, {"off", false}}, material.shifts);
     material.boundary_elements = map.choice_or("boundary_elements", {{"on", true}, {"off", false}},
                                                material.boundary_elements);

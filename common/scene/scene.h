@@ -95,6 +95,11 @@ struct MeshShape {
 };
 using Shape = std::variant<SphereShape, CubeShape, DiscShape, PlaneShape, MeshShape>;
 
+/// Whether the shape has an inside; planes stand for half-spaces.
+inline bool encloses_volume(const Shape& shape) {
+    return !std::holds_alternative<PlaneShape>(shape) && !std::holds_alternative<DiscShape>(shape);
+}
+
 struct Object {
     Shape shape;
     std::uint32_t material;  // index into Scene::materials
