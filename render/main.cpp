@@ -59,7 +59,8 @@ void note_double_counting(const Scene& scene, Progress& progress) {
     for (const Material& material : scene.materials) {
         const auto* body = std::get_if<SubsurfaceMaterial>(&material.kind);
         if (body == nullptr || body->single_scattering == Switch::off) continue;
-        if (body->model == Model::transport || body->model == Model::photon_beam_diffusion)
+        if (body->model == Model::transport || body->model == Model::photon_beam_diffusion ||
+            body->model == Model::body_aware)
             continue;
         progress.note(fmt::format(
             "materials.{}: this model and single scattering both hold the first scattering order: "

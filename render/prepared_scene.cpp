@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
+#include "common/lighting/beam_lengths.h"
 #include "render/march_steps.h"
 
 namespace tallow {
@@ -32,15 +33,11 @@ RayScene build_rays(const SceneGeometry& geometry, Stats& stats) {
     return RayScene(geometry.surfaces);
 }
 
-bool is_same(const KernelSource& a, const KernelSource& b) {
-    return a.model == b.model && a.orders == b.orders && a.spacing_mm == b.spacing_mm &&
-           a.medium.sigma_a == b.medium.sigma_a &&
+bool is_same(const ExitanceSource& a, const ExitanceSource& b) {
+    return a.model == b.model && a.orders == b.orders && a.shifts == b.shifts &&
+           a.boundary_elements == b.boundary_elements && a.medium.sigma_a == b.medium.sigma_a &&
            a.medium.sigma_s_prime == b.medium.sigma_s_prime && a.medium.g == b.medium.g &&
            a.medium.eta == b.medium.eta;
-}
-
-ExitanceKernels make_kernels(const KernelSource& source) {
-    return make_exitance_kernels(source.model, source.medium, source.orders, source.spacing_mm);
 }
 
 }  // namespace
@@ -77,7 +74,7 @@ void PreparedScene::prepare(Scene scene, const std::vector<std::optional<Rgb>>& 
 
 void PreparedScene::prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats) {
     const PhaseTimer timer(stats, "octree");
-    std::int64_t samples = 0, lit = 0;
+    std::int64_t samples = 0, lit = 0, clusters = 0;
     for (const BodyView& view : cache_.bodies) {
         std::optional<PreparedBody>& body = bodies_[view.object];
         if (!diffuse.empty() && diffuse[view.object]) {  // made for another tolerance or camera
@@ -90,24 +87,29 @@ void PreparedScene::prepare_bodies(const std::vector<std::optional<Rgb>>& diffus
         samples += std::int64_t(view.positions.size());
         lit += std::int64_t(lit_samples.position.size());
         PreparedBody prepared = prepare_body(view, lit_samples, body);
+        clusters += std::int64_t(prepared.exitance_of.clusters());
         body.emplace(std::move(prepared));
     }
     stats.counts["samples"] = samples;
     stats.counts["lit_samples"] = lit;
+    if (clusters > 0) stats.counts["clusters"] = clusters;
 }
 
 PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples& samples,
                                          std::optional<PreparedBody>& before) const {
     const SubsurfaceMaterial& material = *subsurface(scene_, view.object);
-    const KernelSource source{material.model, material.medium, orders_of_exitance(material),
-                              view.spacing_mm};
-    ExitanceKernels kernels = before && is_same(before->source, source) ? std::move(before->kernels)
-                                                                        : make_kernels(source);
-    ExitanceField exitance(view, samples, kernels, accuracy_);
+    const Orders orders = orders_of_exitance(material);
+    const ExitanceSource source{material.model, material.medium, orders, material.shifts,
+                                material.boundary_elements};
+    BodyExitance exitance_of = before && is_same(before->source, source)
+                                   ? std::move(before->exitance_of)
+                                   : BodyExitance(view, scene_, orders, ExitanceUse::seen);
+    const auto beams = beam_lengths(rays_, view.object, samples, exitance_of.beam_length());
+    ExitanceField exitance = exitance_of.field(samples, beams, accuracy_);
     PreparedBody body{&material,
                       surface_factors(material),
                       source,
-                      std::move(kernels),
+                      std::move(exitance_of),
                       std::move(exitance),
                       march_steps_of_pixel(material, scene_.settings, accuracy_.tolerance),
                       std::nullopt};

@@ -6,8 +6,8 @@
 
 #include "common/base/stats.h"
 #include "common/cloud/cache_io.h"
+#include "common/exitance/body_exitance.h"
 #include "common/exitance/exit_factor.h"
-#include "common/exitance/exitance_field.h"
 #include "common/geometry/ray_scene.h"
 #include "common/scene/scene_geometry.h"
 #include "render/refracted_connection.h"
@@ -15,20 +15,20 @@
 
 namespace tallow {
 
-/// What kernels are made from; see make_exitance_kernels().
-struct KernelSource {
+/// What a BodyExitance is made from, for one body of a cache.
+struct ExitanceSource {
     Model model;
     Medium medium;
     Orders orders;
-    float spacing_mm;
+    bool shifts, boundary_elements;
 };
 
 /// A translucent body ready to be shaded.
 struct PreparedBody {
     const SubsurfaceMaterial* material;
     SurfaceFactors factors;
-    KernelSource source;
-    ExitanceKernels kernels;
+    ExitanceSource source;
+    BodyExitance exitance_of;
     ExitanceField exitance;
     int march_steps;                                  // of a pixel; see march_steps_of_pixel()
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact

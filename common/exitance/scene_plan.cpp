@@ -73,7 +73,10 @@ public:
         result_.diffuse.resize(scene().objects.size());
         plan_indirect_light();
         for (std::size_t object = 0; object < scene().objects.size(); ++object)
-            if (subsurface(scene(), object) != nullptr) plan_body(object);
+            if (subsurface(scene(), object) != nullptr) {
+                plan_body(object);
+                plan_diffusion(object);
+            }
         for (Material& material : result_.scene.materials)
             if (auto* body = std::get_if<SubsurfaceMaterial>(&material.kind))
                 plan_single_scattering(material.name, *body);
@@ -138,6 +141,18 @@ private:
                    ? "the medium does not scatter"
                    : fmt::format("light spills out of pixels of {:.3g} mm by less", footprint),
                forced ? std::nullopt : std::optional(absorbs_all ? 0.0 : allowed));
+    }
+
+    void plan_diffusion(std::size_t object) {
+        const SubsurfaceMaterial& material = *subsurface(scene(), object);
+        if (!material.boundary_elements || result_.treatment[object] != Treatment::samples) return;
+        const std::string name = fmt::format("objects[{}]", object);
+        if (encloses_volume(scene().objects[object].shape))
+            decide(name, "diffusion in the body", true, "boundary elements",
+                   "it is finite, and the profile stands for a half-space");
+        else
+            decide(name, "diffusion in the body", false, "not solved",
+                   "a plane is the profile's half-space", 0.0);
     }
 
     static Rgb total_reflectance(const SubsurfaceMaterial& material) {

@@ -139,8 +139,12 @@ TEST(SceneErrors, Materials) {
         {"a: {type: subsurface, preset: marble, single_scattering: yes}",
          "scene.yaml:2:70: single_scattering: expected one of auto, on, off, straight, exact, got "
          "'yes'"},
+        {"a: {type: subsurface, preset: marble, shifts: maybe}",
+         "scene.yaml:2:51: shifts: expected one of on, off, got 'maybe'"},
+        {"a: {type: subsurface, preset: marble, boundary_elements: 2000}",
+         "scene.yaml:2:70: boundary_elements: expected one of on, off, got '2000'"},
         {"a: {type: subsurface, preset: marble, exit: lambert}",
-         "scene.yaml:2:57: exit: expected one of normalized, classic, got 'lambert'"},
+         "scene.yaml:2:57: exit: expected one of normalized, classic, directional, got 'lambert'"},
         {"a: {type: subsurface, preset: marble, surface: rough}",
          "scene.yaml:2:60: surface: expected one of smooth, got 'rough'"},
         {"a: {type: subsurface, preset: marble, sigma_x: 1}",

@@ -119,6 +119,28 @@ TEST(SceneYaml, ReadsMaterials) {
     EXPECT_EQ(material_of<MirrorMaterial>(scene, 6).reflectance, Rgb(1));
 }
 
+TEST(SceneYaml, BodyAwareModelSwitchesItsLayersOnAndTheyCanBeSwitchedOff) {
+    const Scene scene = scene_of(R"(
+cameras: {main: {type: perspective, position: [0, 0, 9], look_at: [0, 0, 0], fov_deg: 30, resolution: [8, 8]}}
+materials:
+  plain: {type: subsurface, preset: marble}
+  aware: {type: subsurface, preset: marble, model: body-aware}
+  partly: {type: subsurface, preset: marble, model: body-aware, shifts: off, exit: normalized}
+  other: {type: subsurface, preset: marble, model: dipole, boundary_elements: on}
+)");
+    const auto body = [&](std::size_t i) { return material_of<SubsurfaceMaterial>(scene, i); };
+    EXPECT_FALSE(body(0).shifts);
+    EXPECT_FALSE(body(0).boundary_elements);
+    EXPECT_TRUE(body(1).shifts);
+    EXPECT_TRUE(body(1).boundary_elements);
+    EXPECT_EQ(body(1).exit, Exit::directional);
+    EXPECT_FALSE(body(2).shifts);
+    EXPECT_TRUE(body(2).boundary_elements);
+    EXPECT_EQ(body(2).exit, Exit::normalized);
+    EXPECT_FALSE(body(3).shifts);
+    EXPECT_TRUE(body(3).boundary_elements);
+}
+
 TEST(SceneYaml, PresetKeepsItsCoefficientsUnderAnotherIndexAndPhase) {
     const Scene scene = scene_of(
         kCamera + "materials: {a: {type: subsurface, preset: skimmilk, eta: 1.4, g: 0.9}}\n");
