@@ -365,12 +365,17 @@ def _read_light(map, mm_per_unit):
         map.allow_only("type", "group", "radiance")
         return Environment(map.colour("radiance"))
     map.allow_only("type", "group", "position", "look_at", "up", "size", "radiance")
-    center = mm_per_unit * map.vector("position")
-    normal = unit(mm_per_unit * map.vector("look_at") - center)
-    right = unit(np.cross(normal, _read_up(map, normal)))
-    width, height = mm_per_unit * map.numbers("size", 2)
-    return Quad(center, width * right, height * np.cross(right, normal), normal,
-                map.colour("radiance"))
+    position, look_at = (mm_per_unit * map.vector(key) for key in ("position", "look_at"))
+    up = _read_up(map, unit(look_at - position))
+    return make_quad(position, look_at, up, mm_per_unit * map.numbers("size", 2),
+                     map.colour("radiance"))
+
+
+def make_quad(center, look_at, up, size, radiance):
+    """A rectangle of [width, height] about `center` that shines towards `look_at`."""
+    normal = unit(look_at - center)
+    right = unit(np.cross(normal, up))
+    return Quad(center, size[0] * right, size[1] * np.cross(right, normal), normal, radiance)
 
 
 def find_case(name):
