@@ -6,7 +6,8 @@
 
 All light is compared that comes from the body: the reference's R, G, B and its layer `mirror`.
 Pixels where the lamp's mirror image outshines the rest are kept apart ("mirror"), or its noise would
-hide what is scattered. Only pixels that the body fills count.
+hide what is scattered; of three pictures or more, the first only tells where. Only pixels that the
+body fills count.
 
 A walk of the reference reaches many pixels, whose errors are then alike: the standard error of a sum
 of pixels cannot come from their variances. Give several pictures of different --seed, and it comes
@@ -40,12 +41,14 @@ class Reference:
         self.coverage = files[0][1]["A"]
         layers = {name: np.stack([passes.layer(channels, name, path) for path, channels in files])
                   for name in ("", "mirror", "variance", "mirror_variance")}
-        self.scattered, self.mirror = layers[""].mean(axis=0), layers["mirror"].mean(axis=0)
-        self.pictures = layers[""] + layers["mirror"]
+        self.mirrored = np.any(layers["mirror"][0] > np.maximum(layers[""][0], 0), axis=2)
+        # A picture whose noise chose pixels would be biased on them.
+        used = slice(1 if len(files) > 2 else 0, None)
+        self.pictures = (layers[""] + layers["mirror"])[used]
         self.variance = (layers["variance"] + layers["mirror_variance"]).mean(axis=0)
 
     def sums(self, mask):
-        """Mean over pictures of the sum over pixels, and its variance, a channel each."""
+        """Sum over the pixels of a mask, mean of all pictures, and its variance, a channel each."""
         count = len(self.pictures)
         sums = self.pictures[:, mask].sum(axis=1)
         if count == 1:
@@ -94,8 +97,7 @@ def chi_square_probability(value, freedom):
 def compare(reference, estimate):
     """{"means": {class: rows (difference, error)}, "chi2", "freedom", "probability"}."""
     body = reference.coverage > 0.999
-    bright = reference.mirror > np.maximum(reference.scattered, 0)
-    mirror = body & grown(np.any(bright, axis=2))
+    mirror = body & grown(reference.mirrored)
     scattered = body & ~mirror
     means = {name: differences(reference, estimate, mask)[:2]
              for name, mask in (("scattered", scattered), ("mirror", mirror), ("all", body))
