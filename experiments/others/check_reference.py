@@ -55,6 +55,18 @@ class Reference:
             return sums[0], self.variance[mask].sum(axis=0)
         return sums.mean(axis=0), sums.var(axis=0, ddof=1) / count
 
+    def pooled_sums(self, masks):
+        """As sums(), of masks of like size: [(sum, variance), ..].
+
+        The spread of a few pictures is a poor variance for each mask. What pixels have in common
+        makes it larger than the pixels' variances by a factor that all masks together tell.
+        """
+        count = len(self.pictures)
+        rows = [(*self.sums(mask), self.variance[mask].sum(axis=0) / count) for mask in masks]
+        spread, independent = (sum(row[i] for row in rows) for i in (1, 2))
+        factor = spread / np.maximum(independent, 1e-300)
+        return [(total, factor * variance) for total, _, variance in rows]
+
 
 def grown(mask):
     """The pixels of a mask and their eight neighbours."""
@@ -66,6 +78,8 @@ def grown(mask):
 
 def regions(mask):
     """Masks of the GRID^2 parts of the box around a mask."""
+    if not mask.any():
+        return
     ys, xs = np.nonzero(mask)
     rows = np.clip((ys - ys.min()) * GRID // (np.ptp(ys) + 1), 0, GRID - 1)
     columns = np.clip((xs - xs.min()) * GRID // (np.ptp(xs) + 1), 0, GRID - 1)
@@ -76,12 +90,12 @@ def regions(mask):
         yield part
 
 
-def differences(reference, estimate, mask):
+def differences(ours, estimate, mask):
     """Relative difference of sums (reference over Mitsuba), its standard error, Mitsuba's own."""
-    ours, our_variance = reference.sums(mask)
+    total, variance = ours
     theirs, their_variance = estimate.mean[mask].sum(axis=0), estimate.variance[mask].sum(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return (ours / theirs - 1, np.sqrt(our_variance + their_variance) / theirs,
+        return (total / theirs - 1, np.sqrt(variance + their_variance) / theirs,
                 np.sqrt(their_variance) / theirs)
 
 
@@ -99,12 +113,13 @@ def compare(reference, estimate):
     body = reference.coverage > 0.999
     mirror = body & grown(reference.mirrored)
     scattered = body & ~mirror
-    means = {name: differences(reference, estimate, mask)[:2]
+    means = {name: differences(reference.sums(mask), estimate, mask)[:2]
              for name, mask in (("scattered", scattered), ("mirror", mirror), ("all", body))
              if mask.any()}
     z = []
-    for region in regions(scattered):
-        difference, error, own = differences(reference, estimate, region)
+    parts = list(regions(scattered))
+    for ours, region in zip(reference.pooled_sums(parts), parts):
+        difference, error, own = differences(ours, estimate, region)
         usable = (own > 0) & (own < FEWEST)
         z.extend((difference / error)[usable])
     chi2 = float(np.sum(np.square(z)))

@@ -12,9 +12,10 @@ over all channels and the pixels that the body covers (A > 0.5) and where no uns
 I holds it and R, the reference's R, G, B, does not, so pixels (and their neighbours) with a `mirror`
 above 1 % of the mean of R are left out, for all renderers alike.
 
-`noise` is the part that the renderer's own spread explains; `floor` what remains without it, the
-renderer's bias: 0 up to noise for Mitsuba, whose model is the reference's. With floor f and noise s
-after t seconds, an error e is reached after t s^2 / (e^2 - f^2), never if e <= f.
+`noise` is the part that the renderer's own spread explains, `bias` the relative difference of means,
+`floor` what remains without noise, and not less than the bias. For Mitsuba, whose model is the
+reference's, it is taken for 0 when times are extrapolated. With floor f and noise s after t seconds,
+an error e is reached after t s^2 / (e^2 - f^2), never if e <= f.
 """
 import argparse
 import csv
@@ -63,7 +64,8 @@ class Truth:
         bias = (estimate.mean - self.R)[self.mask].mean() / self.mean
         return {"seconds": estimate.seconds, "startup_seconds": estimate.startup_seconds,
                 "spp": estimate.spp, "relRMSE": float(np.sqrt(max(square, 0))),
-                "noise": float(np.sqrt(noise2)), "floor": float(np.sqrt(max(square - noise2, 0))),
+                "noise": float(np.sqrt(noise2)),
+                "floor": float(max(np.sqrt(max(square - noise2, 0)), abs(bias))),
                 "bias": float(bias)}
 
 
@@ -91,11 +93,10 @@ def seconds_to(rows, target, floor=None):
     return last["seconds"] * last["noise"] ** 2 / (target**2 - floor**2)
 
 
-def write_csv(path, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({key: f"{value:.6g}" for key, value in row.items()} for row in rows)
+def write_csv(file, rows):
+    writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: f"{value:.6g}" for key, value in row.items()} for row in rows)
 
 
 def main():
@@ -105,7 +106,7 @@ def main():
     parser.add_argument("reference", metavar="REF.exr", help="by tallow-reference")
     parser.add_argument("--renderer", choices=RENDERERS, required=True)
     parser.add_argument("--seconds", type=passes.positive(float), default=120)
-    parser.add_argument("-o", "--output", default="/dev/stdout", metavar="CURVE.csv")
+    parser.add_argument("-o", "--output", metavar="CURVE.csv", help="[default: stdout]")
     arguments = parser.parse_args()
     if arguments.renderer.startswith("cycles") and not cycles_render.is_available():
         print("error_curve: needs Blender as a module: pip install bpy (Python 3.11)",
@@ -114,7 +115,11 @@ def main():
     case = scene.load_case(arguments.case, scene.find_material(arguments.medium))
     truth = Truth(arguments.reference)
     rows = curve(case, truth, arguments.renderer, arguments.seconds)
-    write_csv(arguments.output, rows)
+    if arguments.output:
+        with open(arguments.output, "w", newline="") as file:
+            write_csv(file, rows)
+    else:
+        write_csv(sys.stdout, rows)
     floor = 0.0 if arguments.renderer == "mitsuba" else None
     for target in TARGETS:
         print(f"{100 * target:g} % after {seconds_to(rows, target, floor):.4g} s", file=sys.stderr)
