@@ -15,7 +15,9 @@ from their spread; of one picture it is taken from the variances and printed as 
 Mitsuba's pixels are independent.
 
 Exits with 1 if a mean differs by more than 2 standard errors (which equal pictures do in one run of
-eight, with three channels) or chi-square over the regions has a probability below 1 %.
+four, with two kinds of pixels in three channels) or chi-square over the regions has a probability
+below 1 %. Sums that Mitsuba knows to no better than 5 % are printed and decide nothing: before it has
+met its rare bright paths, its error looks too small and its mean is too dark.
 """
 import argparse
 import math
@@ -30,7 +32,7 @@ if not __package__:  # run as a program: the folder above holds the package
 from . import mitsuba_render, passes, scene
 
 GRID = 4
-FEWEST = 0.10  # relative standard error of Mitsuba above which a region has too few hits for a test
+FEWEST = 0.05  # relative standard error of Mitsuba above which it has too few hits to know its error
 
 
 class Reference:
@@ -109,11 +111,11 @@ def chi_square_probability(value, freedom):
 
 
 def compare(reference, estimate):
-    """{"means": {class: rows (difference, error)}, "chi2", "freedom", "probability"}."""
+    """{"means": {class: (difference, error, Mitsuba's own)}, "chi2", "freedom", "probability"}."""
     body = reference.coverage > 0.999
     mirror = body & grown(reference.mirrored)
     scattered = body & ~mirror
-    means = {name: differences(reference.sums(mask), estimate, mask)[:2]
+    means = {name: differences(reference.sums(mask), estimate, mask)
              for name, mask in (("scattered", scattered), ("mirror", mirror), ("all", body))
              if mask.any()}
     z = []
@@ -130,9 +132,9 @@ def compare(reference, estimate):
 def report(result):
     """Prints the comparison; whether it is a success."""
     good = result["probability"] > 0.01
-    for name, (difference, error) in result["means"].items():
+    for name, (difference, error, own) in result["means"].items():
         z = difference / error
-        good &= name == "all" or bool(np.all(np.abs(z) <= 2))
+        good &= name == "all" or bool(np.all((np.abs(z) <= 2) | ~(own < FEWEST)))
         cells = "  ".join(f"{100 * d:+7.3f} +- {100 * e:.3f} % ({s:+.1f})"
                           for d, e, s in zip(difference, error, z))
         print(f"{name:10} {cells}")
