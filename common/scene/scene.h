@@ -112,6 +112,9 @@ struct Settings {
     std::optional<int> bounces;
     /// Paths of indirect light from each sample; without a number, from the tolerance.
     std::optional<int> indirect_samples;
+    /// Depths a pixel at which light scattered once is collected; without a number, from the
+    /// tolerance.
+    std::optional<int> single_scattering_depths;
     bool everything = false;  // compute also what the plan would leave out
 };
 

@@ -179,6 +179,32 @@ TEST(Pipeline, HierarchyErrorIsWithinTheTolerance) {
     }
 }
 
+// The setting decides; auto takes the tolerance.
+TEST(Pipeline, DepthsOfSingleScatteringCanBeSet) {
+    const path folder = pyramid_folder();
+    make_cache(folder, {"--set", "settings.bounces=0"});
+    const auto single = [&](const std::string& depths) {
+        const std::string image = "depths_" + depths + ".exr";
+        const Result result =
+            render_to(folder, image,
+                      {"--aovs", "single", "--samples", "1", "--set", "settings.bounces=0", "--set",
+                       "materials.stone.single_scattering=on", "--set",
+                       "settings.single_scattering_depths=" + depths});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return channel(folder / image, "single.R");
+    };
+    const std::vector<float> reference = single("1024");
+    const auto error = [&](const std::string& depths) {
+        const std::vector<float> values = single(depths);
+        double squares = 0;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            squares += double((values[i] - reference[i]) * (values[i] - reference[i]));
+        return std::sqrt(squares / double(values.size()));
+    };
+    EXPECT_LT(error("64"), 0.15 * error("4"));   // measured 0.072
+    EXPECT_LT(error("auto"), 0.1 * error("1"));  // measured 0.046
+}
+
 // In every pixel and channel. The plain sum's own kernel is a table of floats, good to 1e-6.
 TEST(Pipeline, CertificateHoldsInEveryPixel) {
     const path folder = pyramid_folder();
