@@ -2,22 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares pictures of tallow-reference with Mitsuba: channel means and a grid of regions.
 
-    experiments/others/check_reference.py REF.exr [REF.exr ...] --case sphere --medium dim --seconds 60
+    experiments/others/check_reference.py REF.exr .. --case sphere --medium dim --seconds 60
 
 All light is compared that comes from the body: the reference's R, G, B and its layer `mirror`.
-Pixels where the lamp's mirror image outshines the rest are kept apart ("mirror"), or its noise would
-hide what is scattered; of three pictures or more, the first only tells where. Only pixels that the
-body fills count.
+Pixels where the lamp's mirror image outshines the rest are kept apart ("mirror"), or its noise
+would hide what is scattered; of three pictures or more, the first only tells where. Only pixels
+that the body fills count.
 
-A walk of the reference reaches many pixels, whose errors are then alike: the standard error of a sum
-of pixels cannot come from their variances. Give several pictures of different --seed, and it comes
-from their spread; of one picture it is taken from the variances and printed as too small.
+A walk of the reference reaches many pixels, whose errors are then alike: the standard error of a
+sum of pixels cannot come from their variances. Give several pictures of different --seed, and it
+comes from their spread; of one picture it is taken from the variances and printed as too small.
 Mitsuba's pixels are independent.
 
 Exits with 1 if a mean differs by more than 2 standard errors (which equal pictures do in one run of
 four, with two kinds of pixels in three channels) or chi-square over the regions has a probability
-below 1 %. Sums that Mitsuba knows to no better than 5 % are printed and decide nothing: before it has
-met its rare bright paths, its error looks too small and its mean is too dark.
+below 1 %. Sums that Mitsuba knows to no better than 5 % are printed and decide nothing: before it
+has met its rare bright paths, its error looks too small and its mean is too dark.
 """
 import argparse
 import math
@@ -32,7 +32,7 @@ if not __package__:  # run as a program: the folder above holds the package
 from . import mitsuba_render, passes, scene
 
 GRID = 4
-FEWEST = 0.05  # relative standard error of Mitsuba above which it has too few hits to know its error
+FEWEST = 0.05  # relative standard error; above it Mitsuba has too few hits to know its error
 
 
 class Reference:

@@ -12,7 +12,8 @@ compares with tallow (radiance over the pixels that the body fills):
     mean      of the radiance, relative difference, with the standard error of the other's noise
     picture   relRMSE of the radiance, the other's noise subtracted; what noise could leave of it
 
-Exits with 1 if one of them exceeds 1 % (and, in pictures, what noise could leave). Renderers that are not installed are left out and named.
+Exits with 1 if one of them exceeds 1 % (and, in pictures, what noise could leave). Renderers that
+are not installed are left out and named.
 """
 import argparse
 import dataclasses
@@ -89,7 +90,7 @@ def cycles(case, seconds):
 
 
 def compare(ours, theirs):
-    """{area, outline, mean, noise, picture, blur} of (coverage, radiance) and (coverage, estimate)."""
+    """{area, outline, mean, noise, picture, blur} of (coverage, image) and (coverage, estimate)."""
     (A, image), (other_A, estimate) = ours, theirs
     inside = np.minimum(A, other_A) > 0.999
     difference = estimate.mean[inside] - image[inside]
@@ -135,8 +136,9 @@ def main():
             equal &= all(abs(row[key]) < LIMIT for key in ("area", "outline", "mean"))
             equal &= row["picture"] < np.hypot(LIMIT, row["blur"])
             percent = {key: 100 * value for key, value in row.items()}
-            print("{:10} {:9} {area:7.3f} {outline:10.3f} {mean:8.3f} +- {noise:.3f} {picture:7.3f} +- {blur:.3f}"
-                  .format(case.file.stem, renderer, **percent), flush=True)
+            print("{:10} {:9} {area:7.3f} {outline:10.3f} {mean:8.3f} +- {noise:.3f} "
+                  "{picture:7.3f} +- {blur:.3f}".format(case.file.stem, renderer, **percent),
+                  flush=True)
     return 0 if equal and renderers else 1
 
 

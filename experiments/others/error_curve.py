@@ -2,20 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Error against seconds of another renderer, measured against a reference picture.
 
-    experiments/others/error_curve.py sphere dim REF.exr --renderer mitsuba --seconds 120 -o curve.csv
+    experiments/others/error_curve.py sphere dim REF.exr --renderer mitsuba --seconds 120
 
 One render in passes; its mean is compared after 2, 4, 8, .. passes and at the end. The error is
 
     relRMSE = sqrt(mean((I - R)^2) - mean(variance of R)) / mean(R)
 
-over all channels and the pixels that the body covers (A > 0.5) and where no unscattered light shows:
-I holds it and R, the reference's R, G, B, does not, so pixels (and their neighbours) with a `mirror`
-above 1 % of the mean of R are left out, for all renderers alike.
+over all channels and the pixels that the body covers (A > 0.5) and where no unscattered light
+shows: I holds it and R, the reference's R, G, B, does not, so pixels (and their neighbours) with a
+`mirror` above 1 % of the mean of R are left out, for all renderers alike.
 
-`noise` is the part that the renderer's own spread explains, `bias` the relative difference of means,
-`floor` what remains without noise, and not less than the bias. For Mitsuba, whose model is the
-reference's, it is taken for 0 when times are extrapolated. With floor f and noise s after t seconds,
-an error e is reached after t s^2 / (e^2 - f^2), never if e <= f.
+`noise` is the part that the renderer's own spread explains, `bias` the relative difference of
+means, `floor` what remains without noise, and not less than the bias. For Mitsuba, whose model is
+the reference's, it is taken for 0 when times are extrapolated. With floor f and noise s after t
+seconds, an error e is reached after t s^2 / (e^2 - f^2), never if e <= f.
 """
 import argparse
 import csv
@@ -85,7 +85,7 @@ def curve(case, truth, renderer, seconds):
 
 
 def seconds_to(rows, target, floor=None):
-    """Extrapolated seconds of rendering to a relRMSE, or infinity. Given floor or the last row's."""
+    """Extrapolated seconds of rendering to a relRMSE, or infinity; `floor` or the last row's."""
     last = rows[-1]
     floor = last["floor"] if floor is None else floor
     if target <= floor:

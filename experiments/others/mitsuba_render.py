@@ -119,7 +119,7 @@ def _integrator(case, max_depth):
 
 
 class Mitsuba:
-    """Renders a case. `max_depth` 2 is light that was scattered once, 1 is what shines by itself."""
+    """Renders a case. `max_depth` 2 is light scattered once, 1 is what shines by itself."""
 
     def __init__(self, case, variant=None, max_depth=-1):
         start = time.perf_counter()

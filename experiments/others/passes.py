@@ -34,7 +34,9 @@ class Estimate:
     startup_seconds: float = 0.0
 
     def add(self, image, spp, seconds):
-        self.passes, self.spp, self.seconds = self.passes + 1, self.spp + spp, self.seconds + seconds
+        self.passes += 1
+        self.spp += spp
+        self.seconds += seconds
         difference = image - self.mean
         self.mean = self.mean + difference / self.passes
         self.spread = self.spread + difference * (image - self.mean)
