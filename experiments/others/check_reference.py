@@ -32,6 +32,7 @@ if not __package__:  # run as a program: the folder above holds the package
 from . import mitsuba_render, passes, scene
 
 GRID = 4
+FEW_PICTURES = 12  # chosen: their spread is known to 20 %
 FEWEST = 0.05  # relative standard error; above it Mitsuba has too few hits to know its error
 
 
@@ -151,8 +152,9 @@ def main():
     parser.add_argument("--seconds", type=passes.positive(float), default=60, help="of Mitsuba")
     arguments = parser.parse_args()
     reference = Reference(arguments.references)
-    if len(arguments.references) == 1:
-        print("one picture: standard errors of sums are too small", file=sys.stderr)
+    if len(arguments.references) < FEW_PICTURES:
+        print(f"fewer than {FEW_PICTURES} pictures: standard errors are uncertain, of one picture "
+              "too small", file=sys.stderr)
     case = scene.load_case(arguments.case, scene.find_material(arguments.medium))
     if reference.coverage.shape != (case.camera.height, case.camera.width):
         raise scene.InputError(f"{arguments.references[0]}: expected a picture of {case.file}")

@@ -15,7 +15,8 @@ from others import scene
 SPHERE = """\
 unit: cm
 cameras:
-  main: {type: perspective, position: [0, 0, 6], look_at: [0, 0, 0], fov_deg: 60, resolution: [8, 4]}
+  main: {type: perspective, position: [0, 0, 6], look_at: [0, 0, 0], fov_deg: 60,
+         resolution: [8, 4]}
 materials:
   body: {type: subsurface, sigma_s: [2, 4, 8], sigma_a: 1e-3, g: 0.5, eta: 1.4}
 objects:
@@ -70,7 +71,8 @@ class Transforms(unittest.TestCase):
 
     def test_a_rotation_is_right_handed(self):
         np.testing.assert_allclose(scene.rotation([0, 1, 0], 90) @ [0, 0, 1], [1, 0, 0], atol=1e-15)
-        np.testing.assert_allclose(scene.rotation([1, 1, 1], 120) @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+        np.testing.assert_allclose(scene.rotation([1, 1, 1], 120) @ [1, 0, 0], [0, 1, 0],
+                                   atol=1e-15)
 
     def test_a_scale_may_differ_by_axis(self):
         linear, _ = scene.read_transform(self.steps("[{scale: [1, 2, 3]}]"), 1)
@@ -136,10 +138,12 @@ class Errors(unittest.TestCase):
 
     def test_places_are_named(self):
         self.expect(SPHERE.replace("radius: 2", "radius: x"),
-                    r"case.yaml:7:\d+: radius: expected a number, got 'x'")
-        self.expect(SPHERE.replace("radius: 2", "radus: 2"), r"case.yaml:7:\d+: radus: expected one")
+                    r"case.yaml:8:\d+: radius: expected a number, got 'x'")
+        self.expect(SPHERE.replace("radius: 2", "radus: 2"),
+                    r"case.yaml:8:\d+: radus: expected one")
         self.expect(SPHERE.replace("fov_deg: 60, ", ""), r"case.yaml:3:\d+: missing key 'fov_deg'")
-        self.expect(SPHERE.replace("unit: cm", "unit: cm\nunit: mm"), r"case.yaml:2:1: unit: .* once")
+        self.expect(SPHERE.replace("unit: cm", "unit: cm\nunit: mm"),
+                    "case.yaml:2:1: unit: .* once")
         self.expect(SPHERE.replace("]", "}", 1), r"case.yaml:3:\d+: ")
 
     def test_what_the_standard_cases_do_not_use_is_refused(self):
