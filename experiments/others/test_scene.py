@@ -141,7 +141,7 @@ class Errors(unittest.TestCase):
                     r"case.yaml:8:\d+: radius: expected a number, got 'x'")
         self.expect(SPHERE.replace("radius: 2", "radus: 2"),
                     r"case.yaml:8:\d+: radus: expected one")
-        self.expect(SPHERE.replace("fov_deg: 60, ", ""), r"case.yaml:3:\d+: missing key 'fov_deg'")
+        self.expect(SPHERE.replace("fov_deg: 60,", ""), r"case.yaml:3:\d+: missing key 'fov_deg'")
         self.expect(SPHERE.replace("unit: cm", "unit: cm\nunit: mm"),
                     "case.yaml:2:1: unit: .* once")
         self.expect(SPHERE.replace("]", "}", 1), r"case.yaml:3:\d+: ")
