@@ -34,10 +34,13 @@ void face(Hit& hit, Vec3 w_o) {
     if (glm::dot(hit.n, w_o) <= 0) hit.n = hit.n_g;
 }
 
-// Where on the lens a camera ray starts: a sequence like that of the places in the pixel, in an
-// order of its own.
-Vec2 lens_sample(std::uint32_t number, std::uint64_t pixel_seed) {
-    const std::uint64_t seed = mix_bits(pixel_seed ^ 0x2545f4914f6cdd1dull);
+// A camera ray starts at a place in its pixel and at one on the lens. Both are sequences in an
+// order of their own: what is drawn later by the ray's number, on lamps and for paths, must not be
+// tied to them.
+enum class Start : std::uint64_t { pixel = 0x9fb21c651e98df25, lens = 0x2545f4914f6cdd1d };
+
+Vec2 start_sample(Start start, std::uint32_t number, std::uint64_t pixel_seed) {
+    const std::uint64_t seed = mix_bits(pixel_seed ^ std::uint64_t(start));
     return sobol_2d(shuffled_index(number, seed), seed);
 }
 
@@ -110,10 +113,12 @@ PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Ca
             const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
             for (int k = range.first; k < range.end; ++k) {
                 // One sample sits at the pixel's centre, more are spread over its square.
-                const Vec2 u =
-                    range.samples == 1 ? Vec2(0.5f) : sobol_2d(std::uint32_t(k), pixel_seed);
-                const Vec2 lens =
-                    camera.lens_radius > 0 ? lens_sample(std::uint32_t(k), pixel_seed) : Vec2(0.5f);
+                const Vec2 u = range.samples == 1
+                                   ? Vec2(0.5f)
+                                   : start_sample(Start::pixel, std::uint32_t(k), pixel_seed);
+                const Vec2 lens = camera.lens_radius > 0
+                                      ? start_sample(Start::lens, std::uint32_t(k), pixel_seed)
+                                      : Vec2(0.5f);
                 const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y, lens);
                 tracer.follow(ray, pixel, std::uint32_t(k), pixel_seed,
                               Rgb(1.0f / float(range.samples)));
