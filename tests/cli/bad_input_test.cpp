@@ -96,7 +96,7 @@ TEST(BadInput, Scenes) {
              "scene.yaml:4:45: preset: given twice, first at scene.yaml:4:29"},
             {"preset: marble", "preset: marble, model: tripole",
              "scene.yaml:4:52: model: expected one of dipole, classic-dipole, better-dipole, "
-             "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
+             "normalized-diffusion, photon-beam-diffusion, transport, body-aware, got 'tripole'"},
             {"preset: marble", "sigma_a: [1, 2], sigma_s_prime: 1, eta: 1.3",
              "scene.yaml:4:38: sigma_a: expected a number or three [r, g, b], got a list of 2"},
             {"preset: marble", "sigma_a: .nan, sigma_s_prime: 1, eta: 1.3",
@@ -231,7 +231,7 @@ TEST(BadInput, Flags) {
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "
          "sigma_a, "
          "sigma_s_prime, sigma_s, diffuse_color, mean_free_path, g, eta, model, single_scattering, "
-         "exit, surface, albedo, diffuse_limit"},
+         "exit, surface, albedo, diffuse_limit, shifts, boundary_elements"},
         {true, with(rendering, {"--set", "materials.wax.eta=1.4"}),
          "--set materials.wax.eta: materials has no 'wax'"},
         {true, with(rendering, {"--set", "eta"}), "--set: expected KEY=VALUE, got 'eta'"},
