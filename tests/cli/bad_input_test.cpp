@@ -216,7 +216,7 @@ TEST(BadInput, Flags) {
          "--crop: expected four integers X0,Y0,X1,Y1 inside 8 x 8 pixels, got '4,4,4,8'"},
         {true, with(rendering, {"--aovs", "depth"}),
          "--aovs: expected all, none or some of multiple, single, diffuse, specular, emission, "
-         "exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
+         "scattered, exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
         {true, with(rendering, {"--certify", "0.00001"}),
          "--certify: expected a number in [1e-4, 1), got '0.00001'"},
         {true, with(rendering, {"--certify", "0.01", "--tolerance", "0.01"}),
