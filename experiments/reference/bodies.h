@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "common/scene/scene_geometry.h"
+#include "experiments/reference/mesh_body.h"
+#include "experiments/reference/sphere_body.h"
+
+namespace tallow::reference {
+
+/// One translucent object.
+struct Body {
+    std::variant<SphereBody, MeshBody> shape;
+    Medium medium;
+    std::array<float, 3> reach;  ///< [channel] longest link to the camera that is looked for, mm
+    std::uint32_t object;        ///< index into Scene::objects
+};
+
+/// All of a scene's objects; each of them is a translucent body.
+class Bodies {
+public:
+    /// `reach` is the longest link that is looked for, in mean free paths of each channel.
+    ///
+    /// Throws   InputError for what a walk cannot pass exactly as the scene means it: an opaque
+    ///          object, smooth normals, a tinted surface, a shape other than sphere, cube and mesh,
+    ///          a squashed sphere, an index below 1, bodies whose boxes of rays overlap, a camera
+    ///          inside a body.
+    Bodies(const Scene& scene, const SceneGeometry& geometry, const Camera& camera, float reach);
+
+    struct Entry {
+        std::uint32_t body;
+        Crossing crossing;
+    };
+    /// Where a ray through the air enters the first body in its way.
+    std::optional<Entry> enter(Vec3 origin, Vec3 direction) const;
+
+    /// Whether the path from x inside `body` over a link to the camera is free.
+    bool is_clear(std::uint32_t body, Vec3 x, const CameraLink& link) const;
+
+    const Body& operator[](std::uint32_t body) const { return bodies_[body]; }
+    std::size_t count() const { return bodies_.size(); }
+
+    /// A ball around all bodies.
+    Vec3 center() const { return center_; }
+    float radius() const { return radius_; }
+
+private:
+    void add(const Scene& scene, const SceneGeometry& geometry, std::uint32_t object, float reach);
+    void require_camera_outside(const Scene& scene) const;
+
+    DVec3 camera_;
+    std::vector<Body> bodies_;
+    Vec3 center_{0};
+    float radius_ = 0;
+};
+
+}  // namespace tallow::reference
