@@ -168,6 +168,8 @@ MeshBody::~MeshBody() = default;
 MeshBody::MeshBody(MeshBody&&) noexcept = default;
 MeshBody& MeshBody::operator=(MeshBody&&) noexcept = default;
 
+bool MeshBody::holds(Vec3 x) const { return rays_->is_inside(x); }
+
 std::optional<Crossing> MeshBody::enter(Vec3 origin, Vec3 direction, float length) const {
     return rays_->cross(origin, direction, length, -1);
 }

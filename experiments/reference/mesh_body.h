@@ -23,6 +23,8 @@ public:
     MeshBody(MeshBody&&) noexcept;
     MeshBody& operator=(MeshBody&&) noexcept;
 
+    bool holds(Vec3 x) const;
+
     std::optional<Crossing> enter(Vec3 origin, Vec3 direction, float length) const;
     std::optional<Crossing> leave(Vec3 origin, Vec3 direction, float length) const;
 

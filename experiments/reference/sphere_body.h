@@ -15,6 +15,8 @@ public:
     SphereBody(Vec3 center, float radius, double eta, DVec3 camera)
         : center_(center), radius_(radius), eta_(eta), camera_(camera) {}
 
+    bool holds(Vec3 x) const { return glm::length(DVec3(x) - center_) < radius_; }
+
     /// Where a ray from outside enters, nothing if beyond `length` or missed.
     std::optional<Crossing> enter(Vec3 origin, Vec3 direction, float length) const;
     /// Where a ray from inside leaves, nothing if beyond `length`.
