@@ -7,6 +7,7 @@
 #include "experiments/reference/film.h"
 #include "experiments/reference/lamps.h"
 #include "experiments/reference/pinhole.h"
+#include "experiments/reference/start_map.h"
 
 namespace tallow::reference {
 
@@ -26,6 +27,9 @@ struct Effort {
     double cost() const;
 };
 
+/// Where walks from each lamp and of each channel start: [lamp * kChannels + channel].
+using StartMaps = std::vector<StartMap>;
+
 /// Paths that links count: from their last collision one refraction leads to the camera, and the
 /// body's links() reports it. Every collision of walks from the lamps brings radiance
 ///
@@ -35,7 +39,15 @@ struct Effort {
 /// little are drawn by chance and bring more.
 ///
 /// Adds `walks` walks of each channel to the film, divided by their number.
-Effort add_light_walks(const World& world, std::uint64_t seed, std::uint32_t walks, Film& film);
+Effort add_light_walks(const World& world, const StartMaps& starts, std::uint64_t seed,
+                       std::uint32_t walks, Film& film);
+
+/// Starts for which the noise of the picture, sqrt(mean variance), is least at a given cost, as
+/// `walks` trial walks of each channel tell: in proportion to sqrt(v / c), with
+///
+///     v   mean, over walks from a cell, of the sum over pixels of the square of what one brings
+///     c   their mean cost
+StartMaps learn_starts(const World& world, std::uint64_t seed, std::uint32_t walks);
 
 /// Which paths a camera walk counts.
 enum class CameraCounts {

@@ -62,9 +62,9 @@ Lamps::Lamps(const Scene& scene, Vec3 center, float radius) : center_(center), r
     for (int c = 0; c < 3; ++c) {
         std::vector<float>& up_to = up_to_[std::size_t(c)];
         float sum = 0;
-        for (const Light& light : lights_) {
+        for (std::uint32_t lamp = 0; lamp < lights_.size(); ++lamp) {
             for (std::uint32_t i = 0; i < kTrials; ++i)
-                if (const auto ray = send_from(light, c, {0, sobol_2d(i, 1), sobol_2d(i, 2)}))
+                if (const auto ray = send(lamp, c, sobol_2d(i, 1), sobol_2d(i, 2)))
                     sum += ray->power;
             up_to.push_back(sum);
         }
@@ -75,31 +75,28 @@ Lamps::Lamps(const Scene& scene, Vec3 center, float radius) : center_(center), r
     }
 }
 
-std::optional<Lamps::Ray> Lamps::send(int channel, const Choice& choice) const {
+Lamps::Pick Lamps::pick(int channel, float u) const {
     const std::vector<float>& up_to = up_to_[std::size_t(channel)];
-    if (up_to.empty()) return std::nullopt;
-    const std::size_t i = std::min(
-        std::size_t(std::upper_bound(up_to.begin(), up_to.end(), choice.lamp) - up_to.begin()),
-        up_to.size() - 1);
-    std::optional<Ray> ray = send_from(lights_[i], channel, choice);
-    if (ray) ray->power /= up_to[i] - (i > 0 ? up_to[i - 1] : 0);
-    return ray;
+    const auto above = std::upper_bound(up_to.begin(), up_to.end() - 1, u);
+    const auto lamp = std::uint32_t(above - up_to.begin());
+    return {lamp, up_to[lamp] - (lamp > 0 ? up_to[lamp - 1] : 0)};
 }
 
-std::optional<Lamps::Ray> Lamps::send_from(const Light& light, int channel,
-                                           const Choice& choice) const {
-    const LightPoint point = sample_light_point(light, choice.point);
+std::optional<Lamps::Ray> Lamps::send(std::uint32_t lamp, int channel, Vec2 at,
+                                      Vec2 direction) const {
+    const Light& light = lights_[lamp];
+    const LightPoint point = sample_light_point(light, at);
     if (point.at_infinity) {
         const Frame frame = make_frame(point.position);
-        const float r = radius_ * std::sqrt(choice.direction.x);
-        const float phi = kTwoPi * choice.direction.y;
+        const float r = radius_ * std::sqrt(direction.x);
+        const float phi = kTwoPi * direction.y;
         const Vec3 aside = r * (std::cos(phi) * frame.s + std::sin(phi) * frame.t);
         const float power = point.strength[channel] * kPi * radius_ * radius_;
         if (!(power > 0)) return std::nullopt;
         return Ray{center_ + aside + 2 * radius_ * point.position, -point.position, power};
     }
     const Cone cone(point.position, center_, radius_);
-    const Vec3 w = cone.draw(choice.direction);
+    const Vec3 w = cone.draw(direction);
     const float power = intensity_towards(light, point, w, kInfinity)[channel] * cone.solid_angle();
     if (!(power > 0)) return std::nullopt;
     return Ray{point.position, w, power};

@@ -18,18 +18,21 @@ public:
     ///          cannot end at it, but in an estimator of its own.
     Lamps(const Scene& scene, Vec3 center, float radius);
 
-    /// The start of a walk; one in `count` carries `power`.
+    /// Which lamp a walk of a channel starts at, for u in [0, 1), and how probable that is.
+    struct Pick {
+        std::uint32_t lamp;
+        float probability;
+    };
+    Pick pick(int channel, float u) const;
+
+    /// The start of a walk.
     struct Ray {
         Vec3 origin, direction;
         float power;  ///< W
     };
-    /// Numbers that choose a start, each in [0, 1).
-    struct Choice {
-        float lamp;
-        Vec2 point, direction;
-    };
-    /// Light of one channel on its way to the ball; nothing if it carries none.
-    std::optional<Ray> send(int channel, const Choice& choice) const;
+    /// Light of one lamp and channel on its way to the ball, from a point on the lamp and in a
+    /// direction that two pairs in [0, 1)^2 choose evenly. Nothing if it carries none.
+    std::optional<Ray> send(std::uint32_t lamp, int channel, Vec2 point, Vec2 direction) const;
 
     /// Radiance of one channel that arrives against a ray's direction from all lamps that it meets
     /// within `length`, which may be infinite.
@@ -38,9 +41,6 @@ public:
     std::size_t count() const { return lights_.size(); }
 
 private:
-    /// Power over the pdf of point and direction. `u` picks the direction.
-    std::optional<Ray> send_from(const Light& light, int channel, const Choice& choice) const;
-
     Vec3 center_;
     float radius_;
     std::vector<Light> lights_;                // scaled with their groups, none switched off

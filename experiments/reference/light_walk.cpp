@@ -17,6 +17,23 @@ public:
     Linker(const World& world, int channel, Film& film, Effort& effort)
         : world_(world), channel_(channel), film_(film), effort_(effort) {}
 
+    /// A new walk.
+    void begin() { brought_.clear(); }
+
+    /// Over pixels, of what the walk brought so far.
+    double sum_of_squares() {
+        std::sort(brought_.begin(), brought_.end());
+        double sum = 0;
+        for (std::size_t i = 0; i < brought_.size();) {
+            double of_pixel = 0;
+            const std::uint32_t pixel = brought_[i].first;
+            for (; i < brought_.size() && brought_[i].first == pixel; ++i)
+                of_pixel += double(brought_[i].second);
+            sum += of_pixel * of_pixel;
+        }
+        return sum;
+    }
+
     template <class Shape>
     void link(std::uint32_t index, const Shape& shape, const Walker& walker, WalkRandom& random) {
         const Body& body = world_.bodies[index];
@@ -35,7 +52,7 @@ public:
 private:
     // Part of a link's most expected contribution below which it is drawn by roulette. Chosen:
     // see docs/REFERENCE_TRACER.md.
-    static constexpr float kKeep = 1;
+    static constexpr float kKeep = 5;
 
     void use(std::uint32_t index, const Body& body, const CameraLink& link, const Walker& walker,
              float first, float sigma_t, WalkRandom& random) {
@@ -49,7 +66,8 @@ private:
         const double scattered = double(body.medium.albedo()[channel_]) *
                                  double(henyey_greenstein(body.medium.g, cosine));
         // What the link brings, over what one of a collision at the surface does.
-        const double part = scattered * 4 * std::numbers::pi * through * away / double(first);
+        const double part =
+            scattered * 4 * std::numbers::pi * through * away / double(first);
         const double keep = std::min(1.0, double(kKeep) * part);
         if (!(keep > 0) || (keep < 1 && double(random.next()) >= keep)) return;
         if (!world_.bodies.is_clear(index, walker.position, link)) return;
@@ -57,26 +75,71 @@ private:
                                 (eta * eta) * view->radiance / (double(first) * keep);
         film_.add(layer_of(walker.collisions, walker.arrivals), channel_, view->pixel,
                   float(radiance));
+        brought_.emplace_back(view->pixel, float(radiance));
     }
 
     const World& world_;
     int channel_;
     Film& film_;
     Effort& effort_;
+    std::vector<std::pair<std::uint32_t, float>> brought_;  // by the walk: pixel, radiance
 };
 
-/// Starting directions that cover the bodies evenly, from points at random on the lamps.
-class Starts {
+/// Walks of one channel from the lamps.
+class LightWalks {
 public:
-    explicit Starts(std::uint64_t seed) : direction_(mix_bits(seed)) {}
+    LightWalks(const World& world, const StartMaps& starts, std::uint64_t seed, int channel,
+               Film& film)
+        : world_(world),
+          starts_(starts),
+          seed_(mix_bits(seed * kChannels + std::uint64_t(channel))),
+          directions_(mix_bits(seed_)),
+          channel_(channel),
+          linker_(world, channel, film, effort_) {}
 
-    Lamps::Choice operator()(std::uint32_t i, WalkRandom& random) const {
-        const float lamp = random.next(), u = random.next(), v = random.next();
-        return {lamp, {u, v}, direction_(i)};
+    /// What one walk did.
+    struct Trace {
+        std::size_t start;  // lamp * cells + cell of the direction
+        double square;      // sum over pixels of the square of what it brought
+        double cost;
+    };
+
+    /// The walk of number i, whose power is divided by `walks`; nothing if it carries no light.
+    std::optional<Trace> follow(std::uint32_t i, std::uint32_t walks) {
+        WalkRandom random(seed_, i);
+        const auto [lamp, probability] = world_.lamps.pick(channel_, random.next());
+        const Vec2 point(random.next(), random.next());
+        const StartMap& map = starts_[lamp * kChannels + std::uint32_t(channel_)];
+        const auto [direction, density] = map.draw(directions_(i));
+        const auto ray = world_.lamps.send(lamp, channel_, point, direction);
+        if (!ray) return std::nullopt;
+        const float worth = 1 / (probability * density);
+        Walker walker{ray->origin, ray->direction, ray->power * worth / float(walks)};
+        const double cost_before = effort_.cost();
+        linker_.begin();
+        walk(
+            world_.bodies, channel_, walker, random,
+            [](const Walker&, float) { return Next::go_on; },
+            [&](std::uint32_t body, const auto& shape, const Walker& at, Vec3) {
+                linker_.link(body, shape, at, random);
+                return Next::go_on;
+            });
+        effort_ += {1, walker.collisions, walker.turns, 0, walker.leaks};
+        const std::size_t cells = std::size_t(StartMap::kSide) * StartMap::kSide;
+        return Trace{lamp * cells + StartMap::cell(direction), linker_.sum_of_squares(),
+                     effort_.cost() - cost_before};
     }
 
+    const Effort& effort() const { return effort_; }
+
 private:
-    Sobol2d direction_;
+    const World& world_;
+    const StartMaps& starts_;
+    std::uint64_t seed_;
+    Sobol2d directions_;
+    int channel_;
+    Effort effort_;
+    Linker linker_;
 };
 
 }  // namespace
@@ -92,29 +155,45 @@ double Effort::cost() const {
     return 5.0 * double(walks) + double(collisions) + 3.0 * double(turns) + 3.0 * double(links);
 }
 
-Effort add_light_walks(const World& world, std::uint64_t seed, std::uint32_t walks, Film& film) {
+Effort add_light_walks(const World& world, const StartMaps& starts, std::uint64_t seed,
+                       std::uint32_t walks, Film& film) {
     Effort effort;
-    for (int channel = 0; channel < kChannels; ++channel) {
-        const std::uint64_t channel_seed = mix_bits(seed * kChannels + std::uint64_t(channel));
-        const Starts starts(channel_seed);
-        Linker linker(world, channel, film, effort);
+    for (int channel = 0; channel < kChannels && world.lamps.count() > 0; ++channel) {
+        LightWalks all(world, starts, seed, channel, film);
         for (std::uint32_t i = 0; i < walks; ++i) {
             if (i % 4096 == 0 && interrupted()) throw Interrupted();
-            WalkRandom random(channel_seed, i);
-            const auto ray = world.lamps.send(channel, starts(i, random));
-            if (!ray) continue;
-            Walker walker{ray->origin, ray->direction, ray->power / float(walks)};
-            walk(
-                world.bodies, channel, walker, random,
-                [](const Walker&, float) { return Next::go_on; },
-                [&](std::uint32_t body, const auto& shape, const Walker& at, Vec3) {
-                    linker.link(body, shape, at, random);
-                    return Next::go_on;
-                });
-            effort += {1, walker.collisions, walker.turns, 0, walker.leaks};
+            all.follow(i, walks);
         }
+        effort += all.effort();
     }
     return effort;
+}
+
+StartMaps learn_starts(const World& world, std::uint64_t seed, std::uint32_t walks) {
+    constexpr std::size_t kCells = std::size_t(StartMap::kSide) * StartMap::kSide;
+    const std::size_t lamps = world.lamps.count();
+    const StartMaps even(lamps * kChannels);
+    StartMaps learnt = even;
+    parallel_for(kChannels, 1, [&](std::size_t channel) {
+        std::vector<double> squares(lamps * kCells), costs(lamps * kCells), counts(lamps * kCells);
+        Film film(world.pinhole.pixels());
+        LightWalks all(world, even, seed, int(channel), film);
+        for (std::uint32_t i = 0; i < walks && lamps > 0; ++i)
+            if (const auto trace = all.follow(i, 1)) {
+                squares[trace->start] += trace->square;
+                costs[trace->start] += trace->cost;
+                ++counts[trace->start];
+            }
+        for (std::size_t lamp = 0; lamp < lamps; ++lamp) {
+            StartMap::Cells worth{};
+            for (std::size_t cell = 0; cell < kCells; ++cell) {
+                const std::size_t at = lamp * kCells + cell;
+                if (costs[at] > 0) worth[cell] = std::sqrt(squares[at] / costs[at]);
+            }
+            learnt[lamp * kChannels + channel] = StartMap(worth);
+        }
+    });
+    return learnt;
 }
 
 }  // namespace tallow::reference

@@ -23,7 +23,8 @@ namespace {
 // of the light at most, and the fewer beams there are in a cell, the faster is the search.
 constexpr float kReach = 7;
 
-constexpr std::uint32_t kWalks = 1 << 16;  // of each channel in a batch
+constexpr std::uint32_t kWalks = 1 << 16;          // of each channel in a batch
+constexpr std::uint32_t kLearningWalks = 1 << 18;  // of each channel
 constexpr std::uint64_t kBatchesPerRound = 8;
 constexpr std::uint64_t kLeastBatches = 16;
 constexpr int kCoverageRays = 256;  // a pixel, 16 x 16
@@ -49,10 +50,10 @@ private:
 };
 
 Effort add_batch(const World& world, const Options& options, const Shares& shares,
-                 std::uint64_t seed, Film& film) {
+                 const StartMaps& starts, std::uint64_t seed, Film& film) {
     if (options.camera_only)
         return add_camera_walks(world, CameraCounts::everything, seed, shares.camera_rays, film);
-    Effort effort = add_light_walks(world, seed, shares.walks, film);
+    Effort effort = add_light_walks(world, starts, seed, shares.walks, film);
     effort += add_camera_walks(world, CameraCounts::unlinked, seed, shares.camera_rays, film);
     return effort;
 }
@@ -85,13 +86,13 @@ Trial try_walks(std::size_t pixels, std::uint32_t walks, const AddWalks& add_wal
 /// Both kinds of walks bring independent noise: variance V / n at the cost c n. For the least cost,
 /// n goes with sqrt(V / c). Walks from the camera may take no more than half of the time, because
 /// their variance is that of rare events, which few trials may overrate.
-Shares choose_shares(const World& world, const Options& options) {
+Shares choose_shares(const World& world, const Options& options, const StartMaps& starts) {
     constexpr std::uint32_t kTrialWalks = 1 << 13, kTrialRays = 4;
     if (options.camera_only) return {0, 16};
     const std::size_t pixels = world.pinhole.pixels();
     const std::uint64_t seed = mix_bits(options.seed ^ 0x7069'6c6f'74ull);
     const Trial lamp = try_walks(pixels, kTrialWalks, [&](std::uint64_t i, Film& film) {
-        return add_light_walks(world, seed + i, kTrialWalks, film);
+        return add_light_walks(world, starts, seed + i, kTrialWalks, film);
     });
     const Trial camera = try_walks(pixels, kTrialRays, [&](std::uint64_t i, Film& film) {
         return add_camera_walks(world, CameraCounts::unlinked, seed + i, kTrialRays, film);
@@ -181,12 +182,12 @@ bool is_done(const Options& options, const Accumulator& sums, const std::vector<
 
 /// Batches [sums.batches(), ...) of one round, added in their order.
 Effort run_round(const World& world, const Options& options, const Shares& shares,
-                 Accumulator& sums) {
+                 const StartMaps& starts, Accumulator& sums) {
     std::vector<Film> films(kBatchesPerRound, Film(world.pinhole.pixels()));
     std::vector<Effort> efforts(kBatchesPerRound);
     parallel_for(kBatchesPerRound, 1, [&](std::size_t i) {
         const std::uint64_t seed = mix_bits(mix_bits(options.seed) + sums.batches() + i);
-        efforts[i] = add_batch(world, options, shares, seed, films[i]);
+        efforts[i] = add_batch(world, options, shares, starts, seed, films[i]);
     });
     Effort effort;
     for (std::size_t i = 0; i < kBatchesPerRound; ++i) sums.add(films[i]), effort += efforts[i];
@@ -196,11 +197,12 @@ Effort run_round(const World& world, const Options& options, const Shares& share
 /// Rounds until the end; leaves a checkpoint even if interrupted.
 class Rounds {
 public:
-    Rounds(const World& world, const Options& options, const Shares& shares, std::string key,
-           const std::vector<float>& coverage)
+    Rounds(const World& world, const Options& options, const Shares& shares,
+           const StartMaps& starts, std::string key, const std::vector<float>& coverage)
         : world_(world),
           options_(options),
           shares_(shares),
+          starts_(starts),
           key_(std::move(key)),
           sums_(world.pinhole.pixels()),
           clock_(resume()) {
@@ -211,7 +213,7 @@ public:
         double saved = clock_.seconds();
         while (!is_done(options_, sums_, seen_, clock_)) {
             try {
-                effort_ += run_round(world_, options_, shares_, sums_);
+                effort_ += run_round(world_, options_, shares_, starts_, sums_);
             } catch (const Interrupted&) {
                 save();
                 throw;
@@ -239,6 +241,7 @@ private:
     const World& world_;
     const Options& options_;
     Shares shares_;
+    const StartMaps& starts_;
     std::string key_;
     Accumulator sums_;
     Clock clock_;
@@ -267,11 +270,13 @@ Image render_reference(const Scene& scene, const SceneGeometry& geometry, const 
     const Lamps lamps(scene, bodies.center(), bodies.radius());
     const World world{bodies, lamps, camera, Pinhole(camera)};
     const std::vector<float> coverage = find_coverage(world);
-    const Shares shares = choose_shares(world, options);
+    const StartMaps starts = learn_starts(world, mix_bits(options.seed), kLearningWalks);
+    const Shares shares = choose_shares(world, options, starts);
     prepare_timer.stop();
 
     PhaseTimer walk_timer(run.stats, "walk");
-    Rounds rounds(world, options, shares, run_key(scene, geometry, camera, options), coverage);
+    Rounds rounds(world, options, shares, starts, run_key(scene, geometry, camera, options),
+                  coverage);
     rounds.run(run);
     walk_timer.stop();
     add_counts(run.stats, rounds, shares);

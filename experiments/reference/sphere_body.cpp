@@ -80,8 +80,8 @@ std::optional<Crossing> SphereBody::enter(Vec3 origin, Vec3 direction, float len
 }
 
 std::optional<Crossing> SphereBody::leave(Vec3 origin, Vec3 direction, float length) const {
-    // A start on the surface is moved inwards by its rounding: along the surface, too, there is then
-    // some way to go, or a walk could be reflected on the spot for ever.
+    // A start on the surface is moved inwards by its rounding: along the surface, too, there is
+    // then some way to go, or a walk could be reflected on the spot for ever.
     constexpr double kInside = 1 - 1e-7;
     const DVec3 to_origin = DVec3(origin) - center_;
     const double beyond = glm::length(to_origin) / (kInside * radius_);
