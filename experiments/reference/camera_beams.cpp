@@ -60,14 +60,18 @@ bool CameraBeams::Gate::may_hold(Vec3 x, float reach) const {
     if (!(depth > 0) || depth > reach) return false;
     const Vec3 on_plane = to_x - depth * along;
     const float u = glm::dot(u_of, on_plane), v = glm::dot(v_of, on_plane);
-    return u > -slack && v > -slack && u + v < 1 + slack;
+    const float miss = slack + depth * slack_by_depth;
+    return u > -miss && v > -miss && u + v < 1 + miss;
 }
 
 CameraBeams::CameraBeams(const TriangleMesh& mesh, double eta, DVec3 camera, const Cells& cells,
-                         double reach)
+                         double reach, const Probe& probe)
     : cells_(cells), eta_(eta) {
     for (std::uint32_t facet = 0; facet < mesh.triangles.size(); ++facet)
         add(mesh, facet, camera, reach);
+    parallel_for(beams_.size(), 64, [&](std::size_t i) {
+        beams_[i].open = open_length(mesh, beams_[i], camera, probe);
+    });
     sort_into_cells(mesh, camera, reach);
 }
 
@@ -96,9 +100,26 @@ void CameraBeams::add(const TriangleMesh& mesh, std::uint32_t facet, DVec3 camer
     for (DVec3 p : corners.p) turn = std::max(turn, 2 * glm::length(inward(p) - along));
     const double steepest = std::max(glm::length(beam.u_of), glm::length(beam.v_of));
     const double rounding = 1e-5 * (glm::length(beam.corner) + reach);
-    const double slack = 2 * steepest * (turn * reach + rounding);
     gates_.push_back({Vec3(beam.corner), Vec3(beam.normal), Vec3(along), Vec3(beam.u_of),
-                      Vec3(beam.v_of), float(slack)});
+                      Vec3(beam.v_of), float(2 * steepest * rounding), float(2 * steepest * turn)});
+}
+
+// The least of a few points' lengths, with some distance kept.
+double CameraBeams::open_length(const TriangleMesh& mesh, const Beam& beam, DVec3 camera,
+                                const Probe& probe) const {
+    constexpr double kOfLength = 0.9;
+    constexpr double kPoints[][3] = {
+        {1. / 3, 1. / 3, 1. / 3}, {0.9, 0.05, 0.05},  {0.05, 0.9, 0.05}, {0.05, 0.05, 0.9},
+        {0.48, 0.48, 0.04},       {0.48, 0.04, 0.48}, {0.04, 0.48, 0.48}};
+    const Corners corners(mesh, beam.facet);
+    double least = double(kInfinity);
+    for (const auto& b : kPoints) {
+        const DVec3 p = b[0] * corners.p[0] + b[1] * corners.p[1] + b[2] * corners.p[2];
+        const DVec3 w = refracted(glm::normalize(camera - p), beam.normal, eta_);
+        least = std::min(least, kOfLength * double(probe(beam.facet, Vec3(p), Vec3(w))));
+        if (least == 0) break;
+    }
+    return least;
 }
 
 // A beam is cut into slices as deep as a cell is wide; a slice takes the cells of its box.
@@ -173,6 +194,7 @@ std::optional<CameraLink> CameraBeams::link_through(const Beam& beam, Vec3 from,
     link.spread = Pencil(eta_, 0, link.outside, link.cos_in, link.cos_out)
                       .spread(link.inside, link.outside, link.cos_in, link.cos_out);
     link.facet = beam.facet;
+    link.open = link.inside < beam.open;
     return link;
 }
 

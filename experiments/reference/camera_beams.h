@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -16,13 +17,17 @@ namespace tallow::reference {
 /// x inside is linked to the camera through a triangle exactly if it lies in the triangle's beam,
 /// so that a grid of cells, each with the beams that touch it, finds all links of a point at once.
 ///
-/// Beams end at the depth `reach`. No more is known of obstacles than which side of a triangle the
-/// camera is on.
+/// Beams end at the depth `reach`. Of obstacles is known which side of a triangle the camera is on,
+/// and what trials found.
 class CameraBeams {
 public:
+    /// How far light from the camera gets beyond the point p of a triangle, in the direction `w`
+    /// inside, before it leaves the body again, mm; 0 if it does not get to p. From any thread.
+    using Probe = std::function<float(std::uint32_t facet, Vec3 p, Vec3 w)>;
+
     /// `eta` inside / outside, >= 1; `cells` cover the mesh.
     CameraBeams(const TriangleMesh& mesh, double eta, DVec3 camera, const Cells& cells,
-                double reach);
+                double reach, const Probe& probe);
 
     /// Calls use(const CameraLink&) for every link from x that is not longer than `reach`, which
     /// may be less than that of the constructor.
@@ -47,7 +52,9 @@ private:
         Vec3 normal;
         Vec3 along;       // refracted direction inwards over its cosine to -normal
         Vec3 u_of, v_of;  // barycentric coordinates of p are dot(u_of, p - corner), the same for v
-        float slack;      // of barycentric coordinates, by which x may miss and be in the beam
+        // By how much barycentric coordinates may miss for an x that is in the beam: at the
+        // surface, and more for each mm of depth.
+        float slack, slack_by_depth;
         bool may_hold(Vec3 x, float reach) const;
     };
     /// The same, exactly.
@@ -55,10 +62,13 @@ private:
         DVec3 corner, normal, u_of, v_of;
         DVec3 foot;     // of the perpendicular from the camera on the triangle's plane
         double height;  // of the camera above the plane, mm
+        double open;    // length up to which links are open, mm
         std::uint32_t facet;
     };
 
     void add(const TriangleMesh& mesh, std::uint32_t facet, DVec3 camera, double reach);
+    double open_length(const TriangleMesh& mesh, const Beam& beam, DVec3 camera,
+                       const Probe& probe) const;
     void sort_into_cells(const TriangleMesh& mesh, DVec3 camera, double reach);
     std::vector<std::uint32_t> cells_of(const TriangleMesh& mesh, const Beam& beam, DVec3 camera,
                                         double reach) const;

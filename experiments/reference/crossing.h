@@ -25,6 +25,7 @@ struct CameraLink {
     double cos_out;       ///< to the normal, outside
     double spread;        ///< |dOmega_y / dA_x|: solid angle at the camera over area across at x
     std::uint32_t facet;  ///< as in Crossing
+    bool open;            ///< its body hardly ever blocks such a link, as trials found
 };
 
 /// Spread of a pencil of rays from the camera y that is refracted into a body.

@@ -161,7 +161,12 @@ MeshBody::MeshBody(const TriangleMesh& mesh, double eta, DVec3 camera, double re
     : rays_(std::make_unique<Rays>(mesh)), camera_(camera) {
     const Cells cells(bounding_box(Surface(mesh)), kCells);
     grid_ = std::make_unique<DistanceGrid>(cells, [this](Vec3 x) { return signed_distance(x); });
-    beams_ = std::make_unique<CameraBeams>(mesh, eta, camera, cells, reach);
+    beams_ = std::make_unique<CameraBeams>(
+        mesh, eta, camera, cells, reach, [this](std::uint32_t facet, Vec3 p, Vec3 w) {
+            if (!is_seen(facet, DVec3(p))) return 0.0f;
+            const std::optional<Crossing> out = leave(p, w, kInfinity);
+            return out ? out->t : 0.0f;
+        });
 }
 
 MeshBody::~MeshBody() = default;
@@ -184,8 +189,12 @@ bool MeshBody::is_clear(Vec3 x, const CameraLink& link) const {
     constexpr double kBeyond = 1.001;
     if (rays_->first_facet(x, Vec3(link.w), float(kBeyond * link.inside)) != link.facet)
         return false;
-    const Vec3 from_camera((link.position - camera_) / link.outside);
-    return rays_->first_facet(Vec3(camera_), from_camera, kInfinity) == link.facet;
+    return is_seen(link.facet, link.position);
+}
+
+bool MeshBody::is_seen(std::uint32_t facet, DVec3 p) const {
+    const Vec3 from_camera(glm::normalize(p - camera_));
+    return rays_->first_facet(Vec3(camera_), from_camera, kInfinity) == facet;
 }
 
 float MeshBody::signed_distance(Vec3 x) const {

@@ -23,6 +23,9 @@ public:
     MeshBody(MeshBody&&) noexcept;
     MeshBody& operator=(MeshBody&&) noexcept;
 
+    /// Whether links() reports every path that is refracted once and not longer than `reach`.
+    static constexpr bool kLinksAll = true;
+
     bool holds(Vec3 x) const;
 
     std::optional<Crossing> enter(Vec3 origin, Vec3 direction, float length) const;
@@ -47,6 +50,7 @@ public:
 private:
     struct Rays;
     float signed_distance(Vec3 x) const;
+    bool is_seen(std::uint32_t facet, DVec3 p) const;
 
     std::unique_ptr<Rays> rays_;
     std::unique_ptr<DistanceGrid> grid_;

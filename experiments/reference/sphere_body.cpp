@@ -120,6 +120,7 @@ std::optional<CameraLink> SphereBody::find_link(Vec3 x, float reach) const {
     const DVec3 normal = std::cos(phi) * axis + std::sin(phi) * across;
 
     CameraLink link{};
+    link.open = true;
     link.position = center_ + radius_ * normal;
     const DVec3 in = link.position - DVec3(x), out = camera_ - link.position;
     link.inside = glm::length(in), link.outside = glm::length(out);

@@ -15,6 +15,9 @@ public:
     SphereBody(Vec3 center, float radius, double eta, DVec3 camera)
         : center_(center), radius_(radius), eta_(eta), camera_(camera) {}
 
+    /// Whether links() reports every path that is refracted once and not longer than `reach`.
+    static constexpr bool kLinksAll = false;
+
     bool holds(Vec3 x) const { return glm::length(DVec3(x) - center_) < radius_; }
 
     /// Where a ray from outside enters, nothing if beyond `length` or missed.

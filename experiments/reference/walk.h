@@ -87,29 +87,37 @@ bool walk_inside(const Shape& shape, const Medium& medium, int channel, Walker& 
     }
 }
 
+/// A walk inside bodies[index]; true if it leaves. on_collision(body, shape, walker, from) as in
+/// walk_inside().
+template <class OnCollision>
+bool walk_in_body(const Bodies& bodies, std::uint32_t index, int channel, Walker& walker,
+                  WalkRandom& random, OnCollision&& on_collision) {
+    const Body& body = bodies[index];
+    return std::visit(
+        [&](const auto& shape) {
+            return walk_inside(
+                shape, body.medium, channel, walker, random,
+                [&](Walker& at, Vec3 from) { return on_collision(index, shape, at, from); });
+        },
+        body.shape);
+}
+
 /// A walk that starts in the air, to its end.
 ///
 /// on_air(walker, length) is called for every straight piece through the air, which ends at a body
-/// after `length` or never; on_collision(body, shape, walker, from) as in walk_inside().
+/// after `length` or never; on_collision as in walk_in_body().
 template <class OnAir, class OnCollision>
 void walk(const Bodies& bodies, int channel, Walker& walker, WalkRandom& random, OnAir&& on_air,
           OnCollision&& on_collision) {
     for (;;) {
         const std::optional<Bodies::Entry> entry = bodies.enter(walker.position, walker.direction);
-        if (on_air(walker, entry ? entry->crossing.t : kInfinity) == Next::stop || !entry) return;
+        on_air(walker, entry ? entry->crossing.t : kInfinity);
+        if (!entry) return;
         ++walker.arrivals;
         walker.position = entry->crossing.position;
-        const Body& body = bodies[entry->body];
-        if (!cross_boundary(body.medium.eta, entry->crossing.normal, walker, random)) continue;
-        const bool left = std::visit(
-            [&](const auto& shape) {
-                return walk_inside(shape, body.medium, channel, walker, random,
-                                   [&](Walker& at, Vec3 from) {
-                                       return on_collision(entry->body, shape, at, from);
-                                   });
-            },
-            body.shape);
-        if (!left) return;
+        const float eta = bodies[entry->body].medium.eta;
+        if (!cross_boundary(eta, entry->crossing.normal, walker, random)) continue;
+        if (!walk_in_body(bodies, entry->body, channel, walker, random, on_collision)) return;
     }
 }
 
