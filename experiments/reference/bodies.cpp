@@ -48,12 +48,13 @@ float diagonal(const Surface& surface) {
 
 }  // namespace
 
-Bodies::Bodies(const Scene& scene, const SceneGeometry& geometry, const Camera& camera, float reach)
+Bodies::Bodies(const Scene& scene, const SceneGeometry& geometry, const Camera& camera,
+               const Detail& detail)
     : camera_(camera.position) {
     Box box;
     bodies_.reserve(scene.objects.size());
     for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
-        add(scene, geometry, object, reach);
+        add(scene, geometry, object, detail);
         const Box of_object = bounding_box(geometry.surfaces[object]);
         box.add(of_object.low), box.add(of_object.high);
     }
@@ -66,21 +67,21 @@ Bodies::Bodies(const Scene& scene, const SceneGeometry& geometry, const Camera& 
 }
 
 void Bodies::add(const Scene& scene, const SceneGeometry& geometry, std::uint32_t object,
-                 float reach) {
+                 const Detail& detail) {
     const Medium& medium = require_plain_body(scene, object).medium;
     const Surface& surface = geometry.surfaces[object];
     std::array<float, 3> reaches{};
     float longest = 0;
     for (int c = 0; c < 3; ++c) {
-        reaches[std::size_t(c)] = std::min(reach / medium.sigma_t()[c], diagonal(surface));
+        reaches[std::size_t(c)] = std::min(detail.reach / medium.sigma_t()[c], diagonal(surface));
         longest = std::max(longest, reaches[std::size_t(c)]);
     }
     const double eta = double(medium.eta);
     if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) {
         if (!mesh->corner_normals.empty())
             refuse(scene, object, "normals: expected flat, got smooth ones");
-        bodies_.push_back(
-            {MeshBody(*mesh, eta, camera_, double(longest)), medium, reaches, object});
+        bodies_.push_back({MeshBody(*mesh, eta, camera_, double(longest), detail.cells), medium,
+                           reaches, object});
         return;
     }
     const auto* sphere = std::get_if<SphereSurface>(&surface);

@@ -4,6 +4,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -12,10 +13,6 @@
 
 namespace tallow::reference {
 namespace {
-
-// Cells of the grid. Chosen: on the bunny of 40 mm they are 0.34 mm wide, less than a mean free
-// path of marble.
-constexpr double kCells = 1e6;
 
 /// Squared distance from p to a triangle.
 /// Source   Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: the regions of the
@@ -57,10 +54,15 @@ struct MeshBody::Rays {
     std::vector<Vec3> normals;  // [triangle]
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    /// By which a ray goes on at least after a triangle that it ignores, mm: Embree meets a
+    /// triangle at 0 again if the ray starts at a number too small for it.
+    float least_step = 0;
 
     explicit Rays(const TriangleMesh& of) : mesh(of) {
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
             normals.push_back(triangle_normal(mesh, t));
+        const Box box = bounding_box(Surface(mesh));
+        least_step = 1e-9f * glm::length(box.high - box.low);
         const ThreadLimit one_thread(1);  // the tree must not depend on the number of cores
         device = rtcNewDevice(nullptr);
         TALLOW_CHECK(device != nullptr, "Embree error {}", int(rtcGetDeviceError(nullptr)));
@@ -110,7 +112,7 @@ struct MeshBody::Rays {
                     (1 - u - v) * corner(facet, 0) + u * corner(facet, 1) + v * corner(facet, 2);
                 return Crossing{query.ray.tfar, p, normals[facet], facet};
             }
-            near = std::nextafter(query.ray.tfar, kInfinity);
+            near = std::max(std::nextafter(query.ray.tfar, kInfinity), least_step);
         }
     }
 
@@ -157,9 +159,10 @@ struct MeshBody::Rays {
     }
 };
 
-MeshBody::MeshBody(const TriangleMesh& mesh, double eta, DVec3 camera, double reach)
+MeshBody::MeshBody(const TriangleMesh& mesh, double eta, DVec3 camera, double reach,
+                   double cell_count)
     : rays_(std::make_unique<Rays>(mesh)), camera_(camera) {
-    const Cells cells(bounding_box(Surface(mesh)), kCells);
+    const Cells cells(bounding_box(Surface(mesh)), cell_count);
     grid_ = std::make_unique<DistanceGrid>(cells, [this](Vec3 x) { return signed_distance(x); });
     beams_ = std::make_unique<CameraBeams>(
         mesh, eta, camera, cells, reach, [this](std::uint32_t facet, Vec3 p, Vec3 w) {

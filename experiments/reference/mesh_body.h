@@ -17,8 +17,9 @@ namespace tallow::reference {
 /// need no offset from the triangle that they start on.
 class MeshBody {
 public:
-    /// `eta` inside / outside; links to the camera are found up to the depth `reach`, in mm.
-    MeshBody(const TriangleMesh& mesh, double eta, DVec3 camera, double reach);
+    /// `eta` inside / outside; links to the camera are found up to the depth `reach`, in mm; about
+    /// `cells` cells around the mesh hold distances and beams.
+    MeshBody(const TriangleMesh& mesh, double eta, DVec3 camera, double reach, double cells);
     ~MeshBody();
     MeshBody(MeshBody&&) noexcept;
     MeshBody& operator=(MeshBody&&) noexcept;

@@ -19,12 +19,7 @@
 namespace tallow::reference {
 namespace {
 
-// Longest link, in mean free paths: what is longer is left to walks from the camera. Chosen: e^-7
-// of the light at most, and the fewer beams there are in a cell, the faster is the search.
-constexpr float kReach = 7;
-
-constexpr std::uint32_t kWalks = 1 << 16;          // of each channel in a batch
-constexpr std::uint32_t kLearningWalks = 1 << 18;  // of each channel
+constexpr std::uint32_t kLearningBatches = 4;  // walks of which trials tell where to start
 constexpr std::uint64_t kBatchesPerRound = 8;
 constexpr std::uint64_t kLeastBatches = 16;
 constexpr int kCoverageRays = 256;  // a pixel, 16 x 16
@@ -87,20 +82,21 @@ Trial try_walks(std::size_t pixels, std::uint32_t walks, const AddWalks& add_wal
 /// n goes with sqrt(V / c). Walks from the camera may take no more than half of the time, because
 /// their variance is that of rare events, which few trials may overrate.
 Shares choose_shares(const World& world, const Options& options, const StartMaps& starts) {
-    constexpr std::uint32_t kTrialWalks = 1 << 13, kTrialRays = 4;
+    constexpr std::uint32_t kTrialRays = 4;
+    const std::uint32_t trial_walks = options.walks / 8;
     if (options.camera_only) return {0, 16};
     const std::size_t pixels = world.pinhole.pixels();
     const std::uint64_t seed = mix_bits(options.seed ^ 0x7069'6c6f'74ull);
-    const Trial lamp = try_walks(pixels, kTrialWalks, [&](std::uint64_t i, Film& film) {
-        return add_light_walks(world, starts, seed + i, kTrialWalks, film);
+    const Trial lamp = try_walks(pixels, trial_walks, [&](std::uint64_t i, Film& film) {
+        return add_light_walks(world, starts, seed + i, trial_walks, film);
     });
     const Trial camera = try_walks(pixels, kTrialRays, [&](std::uint64_t i, Film& film) {
         return add_camera_walks(world, CameraCounts::unlinked, seed + i, kTrialRays, film);
     });
     const double ratio = std::sqrt(camera.variance / camera.cost / (lamp.variance / lamp.cost));
-    const double most = kWalks * lamp.cost / camera.cost;
-    const double rays = std::isfinite(ratio) ? std::min(most, kWalks * ratio) : 1;
-    return {kWalks, std::uint32_t(std::max(1.0, std::round(rays)))};
+    const double most = options.walks * lamp.cost / camera.cost;
+    const double rays = std::isfinite(ratio) ? std::min(most, options.walks * ratio) : 1;
+    return {options.walks, std::uint32_t(std::max(1.0, std::round(rays)))};
 }
 
 /// What the sums of a run depend on.
@@ -117,8 +113,8 @@ std::string run_key(const Scene& scene, const SceneGeometry& geometry, const Cam
                                rgb(body->medium.sigma_a), body->medium.g, body->medium.eta);
     key += fmt::format("camera={} {} {} {} {} {}\n", vec(camera.position), vec(camera.look_at),
                        vec(camera.up), camera.fov, camera.width, camera.height);
-    return key +
-           fmt::format("run={} {} {} {}\n", options.seed, options.camera_only, kWalks, kReach);
+    return key + fmt::format("run={} {} {} {}\n", options.seed, options.camera_only, options.walks,
+                             options.detail.reach);
 }
 
 /// Part of each pixel that bodies cover.
@@ -174,7 +170,7 @@ Image make_picture(const Accumulator& sums, const std::vector<float>& coverage,
 bool is_done(const Options& options, const Accumulator& sums, const std::vector<bool>& seen,
              const Clock& clock) {
     if (sums.batches() < kLeastBatches) return false;
-    const double paths = double(sums.batches()) * kChannels * kWalks;
+    const double paths = double(sums.batches()) * kChannels * options.walks;
     return (options.paths && paths >= *options.paths) ||
            (options.seconds && clock.seconds() >= *options.seconds) ||
            (options.noise && sums.noise(seen) <= *options.noise);
@@ -266,11 +262,12 @@ void add_counts(Stats& stats, const Rounds& rounds, const Shares& shares) {
 Image render_reference(const Scene& scene, const SceneGeometry& geometry, const Camera& camera,
                        const Options& options, ToolRun& run) {
     PhaseTimer prepare_timer(run.stats, "prepare");
-    const Bodies bodies(scene, geometry, camera, kReach);
+    const Bodies bodies(scene, geometry, camera, options.detail);
     const Lamps lamps(scene, bodies.center(), bodies.radius());
     const World world{bodies, lamps, camera, Pinhole(camera)};
     const std::vector<float> coverage = find_coverage(world);
-    const StartMaps starts = learn_starts(world, mix_bits(options.seed), kLearningWalks);
+    const StartMaps starts =
+        learn_starts(world, mix_bits(options.seed), kLearningBatches * options.walks);
     const Shares shares = choose_shares(world, options, starts);
     prepare_timer.stop();
 
@@ -285,7 +282,8 @@ Image render_reference(const Scene& scene, const SceneGeometry& geometry, const 
     Image image = make_picture(rounds.sums(), coverage, camera);
     image.metadata = {
         {"tallow/estimator", options.camera_only ? "camera" : "combined"},
-        {"tallow/paths", fmt::format("{}", options.camera_only ? 0 : batches * kChannels * kWalks)},
+        {"tallow/paths",
+         fmt::format("{}", options.camera_only ? 0 : batches * kChannels * options.walks)},
         {"tallow/camera_rays", fmt::format("{}", batches * shares.camera_rays * kChannels)},
         {"tallow/batches", fmt::format("{}", batches)},
         {"tallow/seed", fmt::format("{}", options.seed)},

@@ -6,6 +6,7 @@
 #include "common/base/tool_main.h"
 #include "common/image/image.h"
 #include "common/scene/scene_geometry.h"
+#include "experiments/reference/bodies.h"
 
 namespace tallow::reference {
 
@@ -18,6 +19,8 @@ struct Options {
     bool camera_only = false;          ///< without links, as a check
     std::filesystem::path checkpoint;  ///< written every minute, at the end and on Ctrl-C
     bool resume = false;               ///< goes on from the checkpoint
+    std::uint32_t walks = 1 << 16;     ///< from the lamps, of each channel in a batch
+    Detail detail;
 };
 
 /// The picture of a scene, linear radiance, with layers
