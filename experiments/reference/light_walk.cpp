@@ -34,19 +34,22 @@ public:
         return sum;
     }
 
+    /// Links of a collision; whether one of them brought light to a pixel.
     template <class Shape>
-    void link(std::uint32_t index, const Shape& shape, const Walker& walker, WalkRandom& random) {
+    bool link(std::uint32_t index, const Shape& shape, const Walker& walker, WalkRandom& random) {
         const Body& body = world_.bodies[index];
         const float sigma_t = body.medium.sigma_t()[channel_];
         // The surface is at least this far: most collisions deep inside end here, by roulette.
         const float nearest = std::max(0.0f, shape.clearance(walker.position));
-        if (nearest > body.reach[std::size_t(channel_)]) return;
+        if (nearest > body.reach[std::size_t(channel_)]) return false;
         const float first = std::min(1.0f, kKeep * std::exp(-sigma_t * nearest));
-        if (first < 1 && random.next() >= first) return;
+        if (first < 1 && random.next() >= first) return false;
+        const std::size_t before = brought_.size();
         shape.links(walker.position, body.reach[std::size_t(channel_)],
                     [&](const CameraLink& link) {
                         use(index, body, link, walker, first, sigma_t, random);
                     });
+        return brought_.size() > before;
     }
 
 private:
@@ -128,13 +131,11 @@ public:
         Walker walker{ray->origin, ray->direction, ray->power * worth / float(walks)};
         const double cost_before = effort_.cost();
         linker_.begin();
-        walk(
-            world_.bodies, channel_, walker, random, [](const Walker&, float) {},
-            [&](std::uint32_t body, const auto& shape, const Walker& at, Vec3) {
-                linker_.link(body, shape, at, random);
-                return Next::go_on;
-            });
-        effort_ += {1, walker.collisions, walker.turns, 0, walker.leaks};
+        may_split_ = true;
+        go_through_air(walker, random);
+        for (const auto& [body, at] : copies_) go_on_from(body, at, random);
+        copies_.clear();
+        ++effort_.walks;
         const std::size_t cells = std::size_t(StartMap::kSide) * StartMap::kSide;
         return Trace{lamp * cells + StartMap::cell(direction), linker_.sum_of_squares(),
                      effort_.cost() - cost_before};
@@ -143,6 +144,45 @@ public:
     const Effort& effort() const { return effort_; }
 
 private:
+    // Walks of which a walk becomes when it first brings light to a pixel: few walks get there, and
+    // the rest of their way is short. Chosen: see docs/REFERENCE_TRACER.md.
+    static constexpr int kCopies = 4;
+
+    auto on_collision(WalkRandom& random) {
+        return [this, &random](std::uint32_t body, const auto& shape, Walker& at, Vec3) {
+            if (linker_.link(body, shape, at, random) && may_split_) {
+                may_split_ = false;
+                at.power /= kCopies;
+                copies_.assign(kCopies - 1, {body, at});
+            }
+            return Next::go_on;
+        };
+    }
+
+    void go_through_air(Walker& walker, WalkRandom& random) {
+        walk(
+            world_.bodies, channel_, walker, random, [](const Walker&, float) {},
+            on_collision(random));
+        count(walker);
+    }
+
+    // A copy that starts at a collision.
+    void go_on_from(std::uint32_t body, Walker walker, WalkRandom& random) {
+        const Walker before = walker;
+        const Medium& medium = world_.bodies[body].medium;
+        if (survive_collision(medium, channel_, walker, random) &&
+            walk_in_body(world_.bodies, body, channel_, walker, random, on_collision(random)))
+            walk(
+                world_.bodies, channel_, walker, random, [](const Walker&, float) {},
+                on_collision(random));
+        count(walker);
+        effort_.collisions -= before.collisions, effort_.turns -= before.turns;
+    }
+
+    void count(const Walker& walker) {
+        effort_ += {0, walker.collisions, walker.turns, 0, walker.leaks};
+    }
+
     const World& world_;
     const StartMaps& starts_;
     std::uint64_t seed_;
@@ -150,6 +190,8 @@ private:
     int channel_;
     Effort effort_;
     Linker linker_;
+    bool may_split_ = false;
+    std::vector<std::pair<std::uint32_t, Walker>> copies_;  // body, at a collision
 };
 
 }  // namespace

@@ -53,6 +53,14 @@ inline void scatter(float g, Walker& walker, WalkRandom& random) {
         g == 0 ? local : glm::normalize(make_frame(walker.direction).to_world(local));
 }
 
+/// What follows a collision: false if light is absorbed, otherwise it has a new direction.
+inline bool survive_collision(const Medium& medium, int channel, Walker& walker,
+                              WalkRandom& random) {
+    if (random.next() >= medium.albedo()[channel]) return false;
+    scatter(medium.g, walker, random);
+    return true;
+}
+
 /// A walk inside one body until it is absorbed, stopped or leaves; true if it leaves. Analog: free
 /// paths by the extinction, absorption by chance.
 ///
@@ -63,7 +71,6 @@ template <class Shape, class OnCollision>
 bool walk_inside(const Shape& shape, const Medium& medium, int channel, Walker& walker,
                  WalkRandom& random, OnCollision&& on_collision) {
     const float mean_free_path = 1 / medium.sigma_t()[channel];
-    const float albedo = medium.albedo()[channel];
     for (;;) {
         const float flight = mean_free_path * random.exponential();
         const float clearance = shape.clearance(walker.position);
@@ -82,8 +89,7 @@ bool walk_inside(const Shape& shape, const Medium& medium, int channel, Walker& 
         walker.position += flight * walker.direction;
         ++walker.collisions;
         if (on_collision(walker, from) == Next::stop) return false;
-        if (random.next() >= albedo) return false;
-        scatter(medium.g, walker, random);
+        if (!survive_collision(medium, channel, walker, random)) return false;
     }
 }
 

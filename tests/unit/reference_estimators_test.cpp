@@ -36,7 +36,7 @@ TEST(ReferenceEstimators, WhiteFurnace) {
         for (const Surface& surface : {Surface(test::bumpy_mesh(3)), Surface(ball(10))}) {
             const Medium white{Rgb(0), Rgb(0.5f), 0, eta};
             const ReferenceWorld made({surface}, white, {EnvironmentLight{Rgb(1)}}, close_camera());
-            const LayerMeans means = test::combined_means(made.world(), 16, 1 << 12, 4);
+            const LayerMeans means = test::combined_means(made.world(), 16, 1 << 10, 4);
             EXPECT_NEAR(sum_of(means), 1, 4 * error_of(means)) << "eta " << eta;
             EXPECT_LT(error_of(means), 0.03);
             EXPECT_GT(means.mean[multi], 0.5);
