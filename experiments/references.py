@@ -56,7 +56,8 @@ def read_channels(path: pathlib.Path) -> tuple[dict, dict]:
     import OpenEXR
 
     with OpenEXR.File(str(path), separate_channels=True) as file:
-        return {name: c.pixels.astype(float) for name, c in file.channels().items()}, file.header()
+        channels = {name: c.pixels.astype(float) for name, c in file.channels().items()}
+        return channels, dict(file.header())
 
 
 def table_row(path: pathlib.Path) -> str:

@@ -149,7 +149,7 @@ void put(Image& image, const std::string& name, const std::vector<double>& value
 
 Image make_picture(const Accumulator& sums, const std::vector<float>& coverage,
                    const Camera& camera) {
-    constexpr int kMeanBits = 11, kVarianceBits = 7;
+    constexpr int kMeanBits = 11, kVarianceBits = 5;
     static constexpr const char* kNames[] = {"single", "multi", "ext", "mirror"};
     Image image = make_image(camera.width, camera.height);
     for (int c = 0; c < kChannels; ++c) {
