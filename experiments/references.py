@@ -3,7 +3,7 @@
 """Makes the reference pictures of the standard cases with tallow-reference.
 
 experiments/references.py BIN --noise 0.04         adds to experiments/references/FIGURE-MEDIUM.exr
-experiments/references.py --table                  prints the table of experiments/references/README.md
+experiments/references.py --table                  writes the table of experiments/references/README.md
 """
 import argparse
 import pathlib
@@ -73,13 +73,20 @@ def table_row(path: pathlib.Path) -> str:
             f"| {float(header['tallow/paths']) / 1e6:.0f} | {path.stat().st_size // 1000} |")
 
 
-def print_table() -> None:
-    print("| file | noise, % | mean R G B | single, % | multi, % | ext, % | walks, M | kB |")
-    print("|---|---|---|---|---|---|---|---|")
-    for case in CASES:
-        path = FOLDER / f"{case}.exr"
-        if path.exists():
-            print(table_row(path))
+def table() -> str:
+    rows = ["| file | noise, % | mean R G B | single, % | multi, % | ext, % | walks, M | kB |",
+            "|---|---|---|---|---|---|---|---|"]
+    rows += [table_row(FOLDER / f"{case}.exr") for case in CASES
+             if (FOLDER / f"{case}.exr").exists()]
+    return "\n".join(rows) + "\n"
+
+
+def write_table() -> None:
+    """Puts the table between the two marks of references/README.md."""
+    readme = FOLDER / "README.md"
+    before, rest = readme.read_text().split("--table -->\n", 1)
+    _, after = rest.split("<!-- end -->", 1)
+    readme.write_text(before + "--table -->\n" + table() + "<!-- end -->" + after)
 
 
 def main() -> int:
@@ -88,10 +95,10 @@ def main() -> int:
     parser.add_argument("bin", nargs="?", type=pathlib.Path, help="folder of tallow-reference")
     parser.add_argument("--noise", type=float, default=0.04, help="of the pixels [default: 0.04]")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, metavar="CASE")
-    parser.add_argument("--table", action="store_true", help="print the table and stop")
+    parser.add_argument("--table", action="store_true", help="write the table of references/README.md and stop")
     arguments = parser.parse_args()
     if arguments.table:
-        print_table()
+        write_table()
     elif arguments.bin is None:
         parser.error("expected the folder of tallow-reference")
     else:
