@@ -106,8 +106,10 @@ int TileRenderer::shadow_rays() const {
 
 // Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
 void TileRenderer::add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance) {
-    pixels_[point.pixel].*(point.depth == 0 ? layer : &Pixel::specular) +=
-        point.throughput * radiance;
+    Pixel& pixel = pixels_[point.pixel];
+    const Rgb light = point.throughput * radiance;
+    pixel.*(point.depth == 0 ? layer : &Pixel::specular) += light;
+    if (layer == &Pixel::multiple || layer == &Pixel::single) pixel.scattered += light;
 }
 
 void TileRenderer::describe_surfaces() {

@@ -16,11 +16,12 @@ set(rules
   "common/lighting=common/base|common/optics|common/geometry|common/scene|common/exitance|common/lighting"
   "precompute=common|precompute"
   "render=common|render"
-  "material=common|precompute|render|material")
+  "material=common|precompute|render|material"
+  "experiments/reference=common|experiments/reference")
 
 # LIBRARY HEADER PATTERN=FILES THAT MAY INCLUDE IT
 set(fences
-  "embree3/=common/geometry/ray_scene.cpp"
+  "embree3/=(common/geometry/ray_scene|experiments/reference/mesh_body).cpp"
   "CGAL/=common/geometry/mesh_[a-z]+\\.cpp"
   "OpenMesh/=common/geometry/[a-z_]+\\.cpp"
   "(Imf|Imath|OpenEXR/)=common/image/exr_io.cpp"
@@ -37,7 +38,8 @@ set(errors "")
 file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR}
   ${SOURCE_DIR}/common/*.h ${SOURCE_DIR}/common/*.cpp ${SOURCE_DIR}/precompute/*.h
   ${SOURCE_DIR}/precompute/*.cpp ${SOURCE_DIR}/render/*.h ${SOURCE_DIR}/render/*.cpp
-  ${SOURCE_DIR}/material/*.h ${SOURCE_DIR}/material/*.cpp)
+  ${SOURCE_DIR}/material/*.h ${SOURCE_DIR}/material/*.cpp
+  ${SOURCE_DIR}/experiments/reference/*.h ${SOURCE_DIR}/experiments/reference/*.cpp)
 if(NOT files)
   message(FATAL_ERROR "no sources under ${SOURCE_DIR}")
 endif()
@@ -50,7 +52,7 @@ foreach(file IN LISTS files)
       set(folder "${CMAKE_MATCH_1}")
       set(allowed "${CMAKE_MATCH_2}")
       if(file MATCHES "^${folder}/"
-          AND header MATCHES "^(common|precompute|render|material|viewer)/"
+          AND header MATCHES "^(common|precompute|render|material|viewer|experiments)/"
           AND NOT header MATCHES "^(${allowed})/")
         list(APPEND errors "${file} includes ${header}: a wrong arrow")
       endif()

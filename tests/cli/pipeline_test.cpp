@@ -130,6 +130,16 @@ TEST(Pipeline, RadianceLayersSumToThePicture) {
             EXPECT_GT(total, 0) << layer;
         }
         for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(picture[i], sum[i], 1e-5);
+        // What scattered is seen directly and in mirrors.
+        const auto layer = [&](const std::string& name) {
+            return channel(folder / "image.exr", name + "." + c);
+        };
+        const auto scattered = layer("scattered"), multiple = layer("multiple"),
+                   single = layer("single"), specular = layer("specular");
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+            EXPECT_GE(scattered[i], multiple[i] + single[i] - 1e-5);
+            EXPECT_LE(scattered[i], multiple[i] + single[i] + specular[i] + 1e-5);
+        }
     }
 }
 

@@ -135,12 +135,12 @@ TEST(SceneErrors, Materials) {
          "scene.yaml:2:44: sigma_a: expected a magnitude of at most 1e+12, got '1e13'"},
         {"a: {type: subsurface, preset: marble, model: tripole}",
          "scene.yaml:2:58: model: expected one of dipole, classic-dipole, better-dipole, "
-         "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
+         "normalized-diffusion, photon-beam-diffusion, transport, body-aware, got 'tripole'"},
         {"a: {type: subsurface, preset: marble, single_scattering: yes}",
          "scene.yaml:2:70: single_scattering: expected one of auto, on, off, straight, exact, got "
          "'yes'"},
         {"a: {type: subsurface, preset: marble, shifts: maybe}",
-         "scene.yaml:2:51: shifts: expected one of on, off, got 'maybe'"},
+         "scene.yaml:2:59: shifts: expected one of on, off, got 'maybe'"},
         {"a: {type: subsurface, preset: marble, boundary_elements: 2000}",
          "scene.yaml:2:70: boundary_elements: expected one of on, off, got '2000'"},
         {"a: {type: subsurface, preset: marble, exit: lambert}",

@@ -28,7 +28,7 @@ MODELS = {
 # reference's `multi` is light that scattered twice or more without leaving the body, `ext` light
 # that left it and came back; our `multiple` holds what indirect light adds.
 LAYERS = {
-    "everything": ("multiple+single", {"on": "", "off": ""}),
+    "everything": ("scattered", {"on": "", "off": ""}),
     "single": ("single", {"on": "single", "off": "single"}),
     "multiple": ("multiple", {"on": "multi+ext", "off": "multi"}),
 }
@@ -113,7 +113,7 @@ class _Comparison:
     @functools.cached_property
     def flip(self):
         """Mean and map of FLIP of everything that scattered."""
-        return metrics.flip(self.rendered[0].sum("multiple+single"), self.reference[""],
+        return metrics.flip(self.rendered[0].sum("scattered"), self.reference[""],
                             metrics.body_mask(self.reference))
 
     def _flags(self):
@@ -152,7 +152,7 @@ class _Comparison:
 
     def _draw(self):
         image, _ = self.rendered
-        pictures.strip(self.bench.folder / "pictures", self.name, image.sum("multiple+single"),
+        pictures.strip(self.bench.folder / "pictures", self.name, image.sum("scattered"),
                        self.reference[""], metrics.body_mask(self.reference),
                        self.flip[1], self.settings.difference_limit)
 

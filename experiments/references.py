@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Makes the reference pictures of the standard cases with tallow-reference.
+
+experiments/references.py BIN --noise 0.04         adds to experiments/references/FIGURE-MEDIUM.exr
+experiments/references.py --table                  writes the table of experiments/references/README.md
+"""
+import argparse
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+FOLDER = HERE / "references"
+# In the order in which they are wanted.
+CASES = [
+    "sphere-marble", "bunny-marble", "armadillo-marble", "bunny-skimmilk", "sphere-skimmilk",
+    "leaf-marble", "armadillo-skimmilk", "leaf-skimmilk", "bunny-skin1", "sphere-skin1",
+    "armadillo-skin1", "leaf-skin1", "sphere-dim", "bunny-dim", "armadillo-dim", "leaf-dim",
+]
+
+
+def read_media() -> dict[str, str]:
+    """Name -> what stands behind it in cases/media.yaml, without its comment."""
+    media = {}
+    for line in (HERE / "cases" / "media.yaml").read_text().splitlines():
+        if line and not line.startswith("#"):
+            name, value = line.split(": ", 1)
+            media[name] = value.split("  #")[0]
+    return media
+
+
+def command(program: pathlib.Path, case: str, noise: float) -> list[str]:
+    figure, medium = case.split("-")
+    return [str(program), str((HERE / "cases" / f"{figure}.yaml").relative_to(HERE.parent)),
+            "-o", str((FOLDER / f"{case}.exr").relative_to(HERE.parent)),
+            "--set", f"materials.body={read_media()[medium]}", "--noise", str(noise), "--resume"]
+
+
+def make(program: pathlib.Path, cases: list[str], noise: float) -> None:
+    for case in cases:
+        line = command(program, case, noise)
+        print(" ".join(line), flush=True)
+        subprocess.run(line, check=True, cwd=HERE.parent)
+
+
+def mean_colour(channels: dict, layer: str, body: np.ndarray) -> np.ndarray:
+    prefix = layer + "." if layer else ""
+    return np.array([channels[prefix + c][body].mean() for c in "RGB"])
+
+
+def read_channels(path: pathlib.Path) -> tuple[dict, dict]:
+    """Channel name -> pixels, and the header."""
+    import OpenEXR
+
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        channels = {name: c.pixels.astype(float) for name, c in file.channels().items()}
+        return channels, dict(file.header())
+
+
+def table_row(path: pathlib.Path) -> str:
+    channels, header = read_channels(path)
+    body = channels["A"] > 0.5
+    mean = mean_colour(channels, "", body)
+    parts = [mean_colour(channels, layer, body).mean() / mean.mean() for layer in
+             ("single", "multi", "ext")]
+    variance = np.array([channels["variance." + c][body].mean() for c in "RGB"])
+    noise = np.sqrt(variance.mean()) / mean.mean()
+    shares = " | ".join(f"{100 * part:.1f}" for part in parts)
+    return (f"| `{path.name}` | {100 * noise:.1f} | {' '.join(f'{m:.4f}' for m in mean)} | {shares} "
+            f"| {float(header['tallow/paths']) / 1e6:.0f} | {path.stat().st_size // 1000} |")
+
+
+def table() -> str:
+    rows = ["| file | noise, % | mean R G B | single, % | multi, % | ext, % | walks, M | kB |",
+            "|---|---|---|---|---|---|---|---|"]
+    rows += [table_row(FOLDER / f"{case}.exr") for case in CASES
+             if (FOLDER / f"{case}.exr").exists()]
+    return "\n".join(rows) + "\n"
+
+
+def write_table() -> None:
+    """Puts the table between the two marks of references/README.md."""
+    readme = FOLDER / "README.md"
+    before, rest = readme.read_text().split("--table -->\n", 1)
+    _, after = rest.split("<!-- end -->", 1)
+    readme.write_text(before + "--table -->\n" + table() + "<!-- end -->" + after)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin", nargs="?", type=pathlib.Path, help="folder of tallow-reference")
+    parser.add_argument("--noise", type=float, default=0.04, help="of the pixels [default: 0.04]")
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, metavar="CASE")
+    parser.add_argument("--table", action="store_true", help="write the table of references/README.md and stop")
+    arguments = parser.parse_args()
+    if arguments.table:
+        write_table()
+    elif arguments.bin is None:
+        parser.error("expected the folder of tallow-reference")
+    else:
+        make(arguments.bin.resolve() / "tallow-reference", arguments.cases, arguments.noise)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
