@@ -161,7 +161,7 @@ TEXT = """
 Each case is rendered with a tolerance of {tolerance:g} for the hierarchy and for the sampling, \
 and compared with volumetric path tracing of the same scene: a homogeneous medium behind a \
 smooth dielectric boundary (experiments/reference). What is compared is everything that \
-scattered inside the body: our layers multiple + single against the reference's picture, which \
+scattered inside the body: our layer `scattered` against the reference's picture, which \
 holds neither mirror images of lamps nor the lamps themselves. The mean square of the \
 reference's own noise has been taken off every relRMSE; p99 is over averages of 2 x 2 pixels and \
 holds what noise these have left.

@@ -114,8 +114,8 @@ def _render_ours(settings, bench, case, model, tolerance):
     accuracy = ["--tolerance", str(tolerance)]
     cache, first = bench.cache(case, *accuracy, material=MODELS[model])
     path, second = bench.image(case, cache, f"{case.name}-total", *accuracy, "--samples",
-                               settings.samples, layers="multiple,single", material=MODELS[model])
-    picture = read_image(path).sum("multiple+single").astype(float)
+                               settings.samples, layers="scattered", material=MODELS[model])
+    picture = read_image(path)["scattered"].astype(float)
     row = _row(case, picture, numpy.zeros_like(picture), first.seconds + second.seconds)
     return row, f"{first.command} && {second.command}"
 
