@@ -78,7 +78,13 @@ class Cells(unittest.TestCase):
     def test_ours_is_read_between_tolerances(self):
         self.assertEqual(total.ours_to(OURS, 0.08), "2 s")  # 1 s .. 4 s, 16 % .. 4 %
         self.assertEqual(total.ours_to(OURS, 0.2), "at most 1 s")
-        self.assertEqual(total.ours_to(OURS, 0.02), "not reached: floor 3 %")
+        self.assertEqual(total.ours_to(OURS, 0.02), "not reached: 3 % at the finest tolerance")
+
+    def test_a_floor_is_one_only_where_the_line_is_flat(self):
+        ended = [*OURS, point("transport", 0.001, seconds=[70], relRMSE=[0.0299])]
+        self.assertEqual(total.ours_to(ended, 0.02), "not reached: floor 3 %")
+        self.assertFalse(total.has_ended(OURS))  # 4 % to 3 %
+        self.assertFalse(total.has_ended(OURS[:1]))
 
     def test_others(self):
         line = total.noise_line(MITSUBA, "mitsuba")
@@ -100,11 +106,12 @@ class Cells(unittest.TestCase):
         table = total.table_of(settings, "sphere-marble", points)
         self.assertEqual([row[0] for row in table.rows],
                          ["tallow, transport", "mitsuba", "cycles-burley"])
-        self.assertEqual([row[-1] for row in table.rows], ["3 %", "no floor", "60 %"])
+        self.assertEqual([row[-1] for row in table.rows],
+                         ["3 %, still falling", "no floor", "60 %"])
         self.assertTrue(all(len(row) == len(table.columns) for row in table.rows))
         axes = total.plot_of(settings, "sphere-marble", points).figure.axes[0]
         words = " ".join(text.get_text() for text in axes.texts)
-        self.assertIn("model error: 3 %", words)
+        self.assertIn("finest tolerance: 3 %", words)
         self.assertIn("bias: 60 %", words)
         dashed = [line for line in axes.lines if line.get_linestyle() == "--"]
         self.assertEqual(len(dashed), 2)

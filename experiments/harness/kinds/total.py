@@ -35,6 +35,7 @@ UNBIASED = (MITSUBA, REFERENCE)
 TARGETS = (0.10, 0.05, 0.02, 0.01)  # relRMSE of the table
 SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 1)  # of the time, where other renderers' curves are read
 SEED = 2  # of tallow-reference; the truth was made with 1 and must be independent
+FLAT = 1.2  # chosen: a line has ended if the last step of the tolerance gained less than this
 BEYOND = 30  # chosen: a line that ends at a floor is drawn on so many times its measured time
 
 
@@ -270,8 +271,14 @@ def noise_line(points, renderer):
 
 
 def floor_of_ours(points):
-    """relRMSE at the finest tolerance: what is left is the model's."""
+    """relRMSE at the finest tolerance: what is left is the model's, if has_ended()."""
     return min(points, key=lambda p: p.value).median("relRMSE")
+
+
+def has_ended(points):
+    """Whether a finer tolerance would gain little: the finest error is the model's."""
+    errors = [p.median("relRMSE") for p in sorted(points, key=lambda p: p.value)]
+    return len(errors) > 1 and errors[1] < FLAT * errors[0]
 
 
 def duration(seconds):
@@ -286,6 +293,8 @@ def not_reached(floor):
 def ours_to(points, error):
     """A table's cell: the time to an error, read between measured tolerances."""
     reached = [p for p in points if p.median("relRMSE") <= error]
+    if not reached and not has_ended(points):
+        return f"not reached: {words.percent(floor_of_ours(points))} at the finest tolerance"
     if not reached:
         return not_reached(floor_of_ours(points))
     between = fits.median_at(points, error)
@@ -317,13 +326,14 @@ The error is the relRMSE of everything that scattered in the body against volume
 (experiments/references), in the pixels that the body covers and that show no mirror image of a \
 lamp: one mask for all. The mean square of the truth's own noise has been taken off.
 
-A tolerance bounds the error of the sum, not of the model: our lines end at the error of the \
-model, their floor, which is the error at the finest tolerance. Mitsuba (`volpathmis`, without \
-depth limit or roulette) and our own tracer of references compute what the truth is, so that \
-only their noise is left. It is drawn on, dashed, as time^(-1/2) from the variance that they \
-measured themselves. As long as Mitsuba has not met its rare bright paths, its variance, and so \
-the time, is too small. Cycles computes another model; its line ends at its bias, what is left \
-of its error without its noise.\
+A tolerance is for the sum and its samples, not for the model: our lines end at the error of the \
+model, their floor, which is the error at the finest tolerance; where the last step of the \
+tolerance still gained a sixth or more, the line has not ended, and the report says so. Mitsuba \
+(`volpathmis`, without depth limit or roulette) and our own tracer of references compute what \
+the truth is, so that only their noise is left. It is drawn on, dashed, as time^(-1/2) from the \
+variance that they measured themselves. As long as Mitsuba has not met its rare bright paths, \
+its variance, and so the time, is too small. Cycles computes another model; its line ends at its \
+bias, what is left of its error without its noise.\
 """
 
 
@@ -389,7 +399,8 @@ def plot_of(settings, case, points):
             floors[name] = line.floor, "bias"
         else:
             _draw_tolerances(axes, visible)
-            floors[name] = floor_of_ours(own), "model error"
+            what = "model error" if has_ended(own) else "finest tolerance"
+            floors[name] = floor_of_ours(own), what
     _draw_floors(axes, {name: floor for name, floor in floors.items() if floor[0] > 0}, style_of)
     caption = (f"{case}: error of the picture over seconds from nothing. Numbers beside points are "
                "our tolerances. Dotted levels are where the lines of their colour end.")
@@ -441,6 +452,7 @@ def table_of(settings, case, points):
                          words.percent(line.floor) if line.floor else "no floor"])
         else:
             rows.append([label_of(settings, name), *(ours_to(own, target) for target in TARGETS),
-                         words.percent(floor_of_ours(own))])
+                         words.percent(floor_of_ours(own))
+                         + ("" if has_ended(own) else ", still falling")])
     return Table(["renderer", *(f"to {100 * target:g} %" for target in TARGETS), "ends at"], rows,
                  f"{case}: time to an error, from nothing; medians.")
