@@ -173,12 +173,12 @@ holds what noise these have left.
 def section(settings, bench):
     cases = cases_named(settings.cases)
     points = bench.of("model")
-    missing = [case.name for case in cases if not case.reference.exists()]
+    known = [case for case in cases if bench.of("model", case=case.name)]
+    missing = [case.name for case in cases if case not in known]
     text = TEXT.format(tolerance=settings.tolerance)
     if missing:
         text += (f"\n\nNot measured, because experiments/references holds no truth for them: "
                  f"{', '.join(missing)}.")
-    known = [case for case in cases if case.reference.exists()]
     return Section("Model error against volumetric truth", text, _plots(settings, known, points),
                    [_pictures(bench, case, *pair) for case in known
                     for pair in pairs_of(settings)],
