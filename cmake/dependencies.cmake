@@ -11,6 +11,7 @@ find_package(PNG REQUIRED)
 find_package(embree 3.13 REQUIRED)
 find_package(Boost REQUIRED)  # header-only parts, beside CGAL, which needs them too
 find_package(CGAL REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(hwy REQUIRED)
 find_package(OpenMesh REQUIRED CONFIG)  # CGAL ships a module of that name, for another layout
 find_package(PkgConfig REQUIRED)

@@ -19,8 +19,8 @@ node, as published implementations have it. The last two skip settings that woul
 --budget seconds.
 
 Needs the release build (./run build), the scanned meshes (./run fetch), and
-`pip install numpy matplotlib`. The whole takes hours; --standard a quarter of an hour; --quick takes
-less than two minutes and writes to out/evaluator/quick.
+`pip install numpy matplotlib pyyaml`. The whole takes hours; --standard a quarter of an hour; --quick
+takes less than two minutes and writes to out/evaluator/quick.
 
     experiments/evaluator.py [--quick | --standard] [--budget SECONDS] [--output DIR] [--build DIR]
     experiments/evaluator.py --plot-only [--output DIR]
@@ -28,8 +28,6 @@ less than two minutes and writes to out/evaluator/quick.
 import argparse
 import csv
 import datetime
-import json
-import math
 import os
 import pathlib
 import platform
@@ -41,6 +39,9 @@ import numpy
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402  (after the choice of a backend without a display)
+
+from harness import fits, programs  # noqa: E402
+from harness.sweeps import evaluator_sweep  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "out" / "evaluator"
@@ -91,49 +92,14 @@ def material_flags(material, model):
 
 # --- caches ----------------------------------------------------------------------------------
 
-def precompute(options, scene, material, spacing, cache, *flags):
-    """Writes a cache and returns its number of samples."""
-    stats = cache.with_suffix(".json")
-    subprocess.run([options.build / "bin/tallow-precompute", ROOT / f"scenes/{scene}.yaml", "-o",
-                    cache, "--spacing", f"{spacing:.9g}", "--quiet", "--stats", stats,
-                    *material_flags(material, "dipole"), *flags], check=True)
-    return json.loads(stats.read_text())["counts"]["samples"]
-
-
-def find_spacing(options, scene, material, wanted):
-    """Spacing in mm that gives the wanted number of samples within 5 %, or the nearest found.
-
-    The number falls about as 1/spacing^2, but in steps: pieces of a mesh are halved.
-    """
-    trial = WORK / "trial.tallow"
-    low, high, spacing, best = None, None, 0.3, None
-    for _ in range(14):
-        count = precompute(options, scene, material, spacing, trial, "--light-samples", "1")
-        miss = abs(math.log(count / wanted))
-        if best is None or miss < best[0]:
-            best = (miss, spacing, count)
-        if miss < math.log(1.05):
-            break
-        if count > wanted:
-            low = spacing
-        else:
-            high = spacing
-        spacing *= math.sqrt(count / wanted)
-        if low and high and not low * 1.001 < spacing < high / 1.001:
-            spacing = math.sqrt(low * high)
-    trial.unlink()
-    if best[0] > math.log(1.05):
-        say(f"{scene}: no spacing found for {wanted} samples within 5 %, taking {best[2]}")
-    return best[1]
-
-
 def make_cache(options, scene, material, wanted):
     """The cache for a scene; an old one is used again if nothing it was made from has changed."""
     cache = WORK / f"{scene}_{material}_{wanted}.tallow"
     sources = [ROOT / f"scenes/{scene}.yaml", options.build / "bin/tallow-precompute"]
     if not cache.exists() or any(s.stat().st_mtime > cache.stat().st_mtime for s in sources):
         say(f"{cache.name}")
-        precompute(options, scene, material, find_spacing(options, scene, material, wanted), cache)
+        programs.run("tallow-precompute", ROOT / f"scenes/{scene}.yaml", "-o", cache, "--points",
+                     wanted, *material_flags(material, "dipole"), bin=options.build / "bin")
     return cache
 
 
@@ -150,19 +116,13 @@ class Sweeper:
             threads=0):
         say(f"  {scene} {material} {model} {samples} samples, {rays} rays: {criterion}")
         reference = max(200, min(2000, int(REFERENCE_PAIRS / 3 / samples)))
-        command = [self.options.build / "experiments/evaluator/evaluator-sweep",
-                   ROOT / f"scenes/{scene}.yaml", cache, "--criterion", criterion,
-                   "--accuracy", ",".join(map(str, accuracy)), "--samples", rays,
-                   "--reference", reference, "--repeat", self.settings["repeat"],
-                   *material_flags(material, model)]
-        if certify:
-            command += ["--certify", ",".join(map(str, certify))]
-        if criterion in ("solid-angle", "formula"):
-            command += ["--budget", self.options.budget]
-        if threads:
-            command += ["--threads", threads]
-        output = subprocess.run(list(map(str, command)), check=True, capture_output=True, text=True)
-        for row in csv.DictReader(output.stdout.splitlines()):
+        rows, _ = evaluator_sweep(
+            ROOT / f"scenes/{scene}.yaml", cache, *material_flags(material, model),
+            criterion=criterion, accuracy=accuracy, certify=certify, samples=rays,
+            reference=reference, repeat=self.settings["repeat"], threads=threads,
+            budget=self.options.budget if criterion in ("solid-angle", "formula") else None,
+            build=self.options.build)
+        for row in rows:
             self.write({"target_samples": samples, "rays": rays} | row)
 
     def write(self, row):
@@ -273,12 +233,8 @@ def unique_settings(rows):
 
 def time_at_error(rows, error):
     """Seconds at a measured relRMSE, logarithms interpolated; None outside of what was measured."""
-    rows = sorted(unique_settings(rows), key=lambda r: r["relRMSE"])
-    errors = [r["relRMSE"] for r in rows]
-    if not rows or not errors[0] <= error <= errors[-1]:
-        return None
-    return math.exp(numpy.interp(math.log(error), numpy.log(errors),
-                                 numpy.log([r["time"] for r in rows])))
+    rows = unique_settings(rows)
+    return fits.y_at([r["relRMSE"] for r in rows], [r["time"] for r in rows], error)
 
 
 def disturbance(rows):

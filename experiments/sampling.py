@@ -18,7 +18,8 @@ the cells of a true sphere, in place of a mesh. The reference has 16 times the s
 Dart throwing is written plainly: a good one would be some times faster.
 
 Needs the release build (./run build), the scanned meshes (./run fetch), and
-`pip install numpy matplotlib`. Two to three minutes; --quick half a minute, into out/sampling.
+`pip install numpy matplotlib pyyaml`. Two to three minutes; --quick half a minute, into
+out/sampling.
 
     experiments/sampling.py [--quick] [--output DIR] [--build DIR]
     experiments/sampling.py --plot-only [--output DIR]
@@ -30,7 +31,6 @@ import datetime
 import os
 import pathlib
 import shlex
-import subprocess
 import sys
 
 import matplotlib
@@ -39,6 +39,8 @@ import numpy
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402  (after the choice of a backend without a display)
+
+from harness.sweeps import sampling_sweep  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KINDS = {"cells": "tab:blue", "bands": "tab:cyan", "voronoi": "tab:green",
@@ -57,12 +59,11 @@ QUICK = [["data/fetched/bunny.off", "--densities", "0.3,1,3", "--samples", "1000
 
 
 def sweep(build, runs):
-    program = build / "experiments/sampling/sampling-sweep"
     rows = []
-    for run in runs:
-        print("sampling-sweep", shlex.join(run), file=sys.stderr)
-        done = subprocess.run([program, *run], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
-        rows += csv.DictReader(done.stdout.splitlines())
+    for body, *flags in runs:
+        print("sampling-sweep", body, shlex.join(flags), file=sys.stderr)
+        body = body if body == "sphere" else ROOT / body
+        rows += sampling_sweep(body, *flags, build=build)[0]
     return rows
 
 

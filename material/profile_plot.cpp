@@ -36,7 +36,8 @@ constexpr std::array<Style, kModels.size()> kStyles = {{{"#000000", "", 1.6},
                                                         {"#0072b2", "", 1.6},
                                                         {"#e69f00", "8 3 2 3", 1.8},
                                                         {"#009e73", "", 1.6},
-                                                        {"#d55e00", "", 2.4}}};
+                                                        {"#d55e00", "", 2.4},
+                                                        {"#cc79a7", "4 2", 1.8}}};
 
 struct Curve {
     double total_reflectance;

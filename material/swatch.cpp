@@ -51,10 +51,11 @@ Image render_column(const SubsurfaceMaterial& material, const std::filesystem::p
     precompute(scene, wish, cache_file.path(), progress, stats);
 
     const MappedCache cache(cache_file.path());
-    RenderOptions options;
-    options.crop = {0, 0, kSwatchWidth, kSwatchHeight};
-    options.accuracy.tolerance = scene.settings.tolerance;
-    return render_image(scene, load_geometry(scene, stats), cache.view(), options, progress, stats);
+    const SceneGeometry geometry = load_geometry(scene, stats);
+    const PreparedScene world(scene, geometry, cache.view(), {scene.settings.tolerance}, {}, stats);
+    const Camera& camera = scene.cameras.front();
+    return render_image(world, camera, {whole_image(camera), scene.settings.samples}, progress,
+                        stats);
 }
 
 void copy_column(const Image& column, int index, Image& row) {

@@ -11,7 +11,8 @@
 
 #include "common/base/parallel.h"
 #include "common/base/rng.h"
-#include "common/exitance/exitance_field.h"
+#include "common/exitance/body_exitance.h"
+#include "common/lighting/beam_lengths.h"
 #include "common/lighting/cosine_direction.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
@@ -28,16 +29,20 @@ constexpr std::size_t kBlock = 64;  // samples of a task
 /// A body's exitance under each light group alone.
 using GroupFields = std::vector<std::unique_ptr<ExitanceField>>;
 
-GroupFields make_fields(const Scene& scene, const SampledBody& body,
-                        const std::array<KernelTable, 3>& profiles, float tolerance) {
+GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView& body,
+                        const BodyExitance& exitance, float tolerance) {
     GroupFields fields;
     for (std::size_t g = 0; g < scene.groups.size(); ++g) {
         std::vector<LightGroup> only(scene.groups.size(), {"", Rgb(0)});
         only[g].scale = Rgb(1);
-        const LitSamples lit = light_samples(body.view(), only);
-        fields.push_back(lit.position.empty() ? nullptr
-                                              : std::make_unique<ExitanceField>(
-                                                    lit, profiles, ExitanceAccuracy{tolerance}));
+        const LitSamples lit = light_samples(body, only);
+        if (lit.position.empty()) {
+            fields.push_back(nullptr);
+            continue;
+        }
+        const auto beams = beam_lengths(rays, body.object, lit, exitance.beam_length());
+        fields.push_back(std::make_unique<ExitanceField>(
+            exitance.field(lit, beams, ExitanceAccuracy{tolerance})));
     }
     return fields;
 }
@@ -215,16 +220,14 @@ private:
 
 void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<SampledBody>& bodies,
                      const IndirectOptions& options, Checkpoint& checkpoint, Progress& progress) {
-    std::vector<std::array<KernelTable, 3>> profiles;  // [body]
-    std::vector<Contributions> light;                  // [body]
+    std::vector<BodyView> views;         // [body] without indirect light
+    std::vector<BodyExitance> exitance;  // [body]
+    std::vector<Contributions> light;    // [body]
+    views.reserve(bodies.size());
     std::size_t samples = 0;
     for (SampledBody& body : bodies) {
-        const SubsurfaceMaterial& material = *subsurface(scene, body.object);
-        // Smoothed where samples are far apart: the control variate's irradiance is not known where
-        // paths end, and its edges do not matter to them.
-        profiles.push_back(make_exitance_kernels(material.model, material.medium, Orders::all,
-                                                 double(body.spacing))
-                               .profiles);
+        views.push_back(body.view());
+        exitance.emplace_back(views.back(), scene, Orders::all, ExitanceUse::paths);
         const std::size_t count = body.samples.size();
         light.push_back({dark(scene.groups.size(), count), {}});
         samples += count;
@@ -236,7 +239,7 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
         std::vector<GroupFields> fields(scene.objects.size());
         for (std::size_t b = 0; b < bodies.size(); ++b)
             fields[bodies[b].object] =
-                make_fields(scene, bodies[b], profiles[b], options.tolerance);
+                make_fields(scene, rays, bodies[b].view(), exitance[b], options.tolerance);
         for (SampledBody& body : bodies) body.indirect = {};  // the fields have it
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             light[b].by_bodies = dark(scene.groups.size(), bodies[b].samples.size());

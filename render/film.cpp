@@ -37,9 +37,9 @@ std::vector<LayerChannel> vector(const std::string& layer, Vec3 Pixel::*member) 
     return channels;
 }
 
-const std::array<std::string, 12> kLayers = {"multiple", "single",   "diffuse",     "specular",
-                                             "emission", "exitance", "error_bound", "albedo",
-                                             "N",        "P",        "Z",           "evaluations"};
+const std::array<std::string, 13> kLayers = {
+    "multiple",    "single", "diffuse", "specular", "emission", "scattered",  "exitance",
+    "error_bound", "albedo", "N",       "P",        "Z",        "evaluations"};
 
 std::vector<LayerChannel> layer_channels(const std::string& layer) {
     if (layer == "multiple") return colour(layer, &Pixel::multiple);
@@ -47,6 +47,7 @@ std::vector<LayerChannel> layer_channels(const std::string& layer) {
     if (layer == "diffuse") return colour(layer, &Pixel::diffuse);
     if (layer == "specular") return colour(layer, &Pixel::specular);
     if (layer == "emission") return colour(layer, &Pixel::emission);
+    if (layer == "scattered") return colour(layer, &Pixel::scattered);
     if (layer == "exitance") return colour(layer, &Pixel::exitance);
     if (layer == "error_bound") return colour(layer, &Pixel::error_bound);
     if (layer == "albedo") return colour(layer, &Pixel::albedo);

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
 
 #include "common/base/errors.h"
-#include "common/base/parse_whole.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
 #include "common/cloud/scene_fingerprint.h"
@@ -14,152 +12,12 @@
 #include "common/image/exr_io.h"
 #include "common/image/png_io.h"
 #include "common/scene/scene_yaml.h"
-#include "render/film.h"
+#include "render/arguments.h"
 #include "render/render_image.h"
 
 using namespace tallow;
 
 namespace {
-
-// Below, rounding in float and the error of the kernel's table leave no room.
-constexpr double kSmallestCertificate = 1e-4;
-
-struct Arguments {
-    std::filesystem::path scene;
-    std::optional<std::filesystem::path> cache;
-    std::vector<std::string> outputs, overrides;
-    std::string camera, crop, aovs = "none", criterion = "error";
-    std::optional<double> tolerance, certify, exposure;
-    std::optional<int> samples;
-    bool plan = false, everything = false;
-};
-
-void declare(CommandLine& line, Arguments& a) {
-    line.positional("SCENE", a.scene, "Scene file (YAML or JSON)");
-    line.path("--cache", a.cache,
-              "Cache file made by tallow-precompute; needed if the scene has translucent bodies");
-    line.text_list(
-        "-o,--output", a.outputs,
-        "Image to write: .exr holds linear radiance and layers, .png is tone-mapped; may "
-        "be given twice",
-        "IMAGE.exr|.png");
-    line.number("--tolerance", a.tolerance, 0, std::nextafter(1.0, 0.0), "a number in [0, 1)",
-                "Accepted relRMSE of the hierarchical sum; 0 is the plain sum over all samples "
-                "[default: the scene's, or 0.01]");
-    line.number(
-        "--certify", a.certify, kSmallestCertificate, std::nextafter(1.0, 0.0),
-        "a number in [1e-4, 1)",
-        "Instead of --tolerance: the error of the hierarchical sum is to be below this part "
-        "of the plain sum in each pixel and channel, with proof (layer error_bound)");
-    line.text("--criterion", a.criterion,
-              "How the hierarchy is cut: error, by bounds of the error; solid-angle, by the "
-              "classical method, one pixel at a time, for comparison [default: error]",
-              "error|solid-angle");
-    line.integer("--samples", a.samples, 1, 65536, "an integer in [1, 65536]",
-                 "Camera rays a pixel [default: the scene's, or 16]");
-    line.text("--camera", a.camera, "Camera to use [default: the scene's first]", "NAME");
-    line.text("--crop", a.crop, "Render these pixels only; X1 and Y1 are not included",
-              "X0,Y0,X1,Y1");
-    line.text("--aovs", a.aovs,
-              fmt::format("Layers to add to an EXR, separated by commas: all, none or some of {} "
-                          "[default: none]",
-                          fmt::join(layer_names(), ", ")),
-              "LIST");
-    line.number("--exposure", a.exposure, -64, 64, "a number in [-64, 64]",
-                "Brightness of a PNG in stops [default: 0]");
-    line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
-    line.flag("--everything", a.everything, "Compute also what the plan would leave out");
-    line.text_list("--set", a.overrides, "Override a value of the scene, e.g. groups.key.scale=2",
-                   "KEY=VALUE");
-}
-
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> items(1);
-    for (char c : list)
-        if (c == ',')
-            items.emplace_back();
-        else
-            items.back() += c;
-    return items;
-}
-
-ExitanceAccuracy parse_accuracy(const Arguments& a) {
-    using Criterion = ExitanceAccuracy::Criterion;
-    if (a.criterion != "error" && a.criterion != "solid-angle")
-        throw UsageError(
-            fmt::format("--criterion: expected error or solid-angle, got '{}'", a.criterion));
-    const auto criterion = a.criterion == "error" ? Criterion::error : Criterion::solid_angle;
-    if (a.certify && a.tolerance)
-        throw UsageError("--certify: expected instead of --tolerance, got both");
-    if (a.certify && criterion == Criterion::solid_angle)
-        throw UsageError(
-            "--certify: expected --criterion error, got solid-angle, which has no bound");
-    return {float(a.certify.value_or(a.tolerance.value_or(0))), criterion, a.certify.has_value()};
-}
-
-// All layers leave out the one that only a certificate can fill.
-std::vector<std::string> parse_layers(const std::string& list, bool certified) {
-    const auto known = layer_names();
-    if (list == "none") return {};
-    if (list == "all") {
-        std::vector<std::string> all(known.begin(), known.end());
-        if (!certified) std::erase(all, "error_bound");
-        return all;
-    }
-    const std::vector<std::string> layers = split(list);
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        if (std::find(known.begin(), known.end(), layers[i]) == known.end())
-            throw UsageError(fmt::format("--aovs: expected all, none or some of {}, got '{}'",
-                                         fmt::join(known, ", "), layers[i]));
-        if (std::find(layers.begin(), layers.begin() + std::ptrdiff_t(i), layers[i]) !=
-            layers.begin() + std::ptrdiff_t(i))
-            throw UsageError(fmt::format("--aovs: '{}' is asked for twice", layers[i]));
-        if (layers[i] == "error_bound" && !certified)
-            throw UsageError("--aovs: error_bound needs --certify");
-    }
-    return layers;
-}
-
-Tile parse_crop(const std::string& text, const Camera& camera) {
-    if (text.empty()) return {0, 0, camera.width, camera.height};
-    const auto fail = [&] {
-        return UsageError(fmt::format(
-            "--crop: expected four integers X0,Y0,X1,Y1 inside {} x {} pixels, got '{}'",
-            camera.width, camera.height, text));
-    };
-    const std::vector<std::string> items = split(text);
-    if (items.size() != 4) throw fail();
-    int v[4];
-    for (std::size_t i = 0; i < 4; ++i) {
-        const std::optional<int> value = parse_whole<int>(items[i]);
-        if (!value || *value < 0 || *value > (i % 2 == 0 ? camera.width : camera.height))
-            throw fail();
-        v[i] = *value;
-    }
-    if (v[0] >= v[2] || v[1] >= v[3]) throw fail();
-    return {v[0], v[1], v[2], v[3]};
-}
-
-int find_camera(const Scene& scene, const std::string& name) {
-    if (name.empty()) return 0;
-    std::vector<std::string> names;
-    for (const Camera& camera : scene.cameras) {
-        if (camera.name == name) return int(names.size());
-        names.push_back(camera.name);
-    }
-    throw UsageError(
-        fmt::format("--camera: expected one of {}, got '{}'", fmt::join(names, ", "), name));
-}
-
-void require_image_names(const std::vector<std::string>& outputs) {
-    if (outputs.empty()) throw UsageError("--output: expected an image to write");
-    for (const std::filesystem::path name : outputs)
-        if (name.extension() != ".exr" && name.extension() != ".png")
-            throw UsageError(
-                fmt::format("--output: expected a name ending in .exr or .png, got "
-                            "'{}'",
-                            name.string()));
-}
 
 /// The cache, checked against the scene; an empty one if nothing in the scene needs it.
 std::optional<MappedCache> open_cache(const Arguments& a, const ScenePlan& planned,
@@ -201,7 +59,8 @@ void note_double_counting(const Scene& scene, Progress& progress) {
     for (const Material& material : scene.materials) {
         const auto* body = std::get_if<SubsurfaceMaterial>(&material.kind);
         if (body == nullptr || body->single_scattering == Switch::off) continue;
-        if (body->model == Model::transport || body->model == Model::photon_beam_diffusion)
+        if (body->model == Model::transport || body->model == Model::photon_beam_diffusion ||
+            body->model == Model::body_aware)
             continue;
         progress.note(fmt::format(
             "materials.{}: this model and single scattering both hold the first scattering order: "
@@ -211,67 +70,105 @@ void note_double_counting(const Scene& scene, Progress& progress) {
     }
 }
 
-void add_metadata(Image& image, const Arguments& a, const Scene& scene, const Camera& camera,
-                  const CacheView& cache, const RenderOptions& options, const Stats& stats) {
-    image.metadata = {
-        {"tallow/scene", a.scene.string()},
-        {"tallow/camera", camera.name},
-        {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
-        {options.accuracy.certified ? "tallow/certified" : "tallow/tolerance",
-         fmt::format("{}", options.accuracy.tolerance)},
-        {"tallow/criterion", a.criterion},
-        {"tallow/samples", fmt::format("{}", scene.settings.samples)},
-        {"tallow/version", stats.versions.at("tallow")},
-    };
+/// The camera as it stands in each frame that is asked for.
+std::vector<Camera> list_views(const Arguments& a, const Camera& camera) {
+    const auto frames = frames_of(a);
+    if (frames) require_frames(camera, *frames);
+    std::vector<Camera> views;
+    for (int frame = frames ? frames->first : 0; frame <= (frames ? frames->last : 0); ++frame)
+        views.push_back(camera_at(camera, frame));
+    return views;
 }
 
-void render(const Arguments& a, ToolRun& run) {
-    if (!a.plan) require_image_names(a.outputs);
+/// Everything that pictures are made from.
+struct Input {
+    ScenePlan planned;
+    SceneGeometry geometry;
+    ExitanceAccuracy accuracy;
+    bool moves;                 // the camera
+    std::vector<Camera> views;  // one a frame
     RenderOptions options;
-    options.accuracy = parse_accuracy(a);
-    options.layers = parse_layers(a.aovs, a.certify.has_value());
+};
 
-    PhaseTimer load_timer(run.stats, "load");
-    Scene loaded = load_scene(a.scene, a.overrides);
-    if (!a.certify && !a.tolerance) options.accuracy.tolerance = loaded.settings.tolerance;
-    if (a.samples) loaded.settings.samples = *a.samples;
-    if (a.everything) loaded.settings.everything = true;
-    options.camera = find_camera(loaded, a.camera);
-    const Camera camera = loaded.cameras[std::size_t(options.camera)];
-    options.crop = parse_crop(a.crop, camera);
+Input read_input(const Arguments& a, Stats& stats) {
+    Input input;
+    input.accuracy = parse_accuracy(a);
+    input.options.layers = parse_layers(a.aovs, a.certify.has_value());
+
+    PhaseTimer load_timer(stats, "load");
+    Scene scene = load_scene(a.scene, a.overrides);
+    if (!a.certify && !a.tolerance) input.accuracy.tolerance = scene.settings.tolerance;
+    if (a.samples) scene.settings.samples = *a.samples;
+    if (a.everything) scene.settings.everything = true;
+    input.options.samples = scene.settings.samples;
+    const Camera& camera = find_camera(scene, a.camera);
+    input.moves = frame_count(camera) > 1;
+    input.views = list_views(a, camera);
+    input.options.crop = parse_crop(a.crop, camera);
     load_timer.stop();
-    const SceneGeometry geometry = load_geometry(loaded, run.stats);
+    input.geometry = load_geometry(scene, stats);
 
-    PhaseTimer plan_timer(run.stats, "plan");
-    ScenePlan planned = plan_scene(loaded, geometry, double(options.accuracy.tolerance));
-    add_lights(planned.plan, loaded);
-    options.diffuse = planned.diffuse;
-    run.stats.plan = planned.plan;
-    plan_timer.stop();
-    if (a.plan) {
-        fmt::print("{}", plan_text(planned.plan));
-        return;
-    }
-    const Scene& scene = planned.scene;
-    note_double_counting(scene, run.progress);
+    const PhaseTimer plan_timer(stats, "plan");
+    input.planned = plan_scene(scene, input.geometry, double(input.accuracy.tolerance));
+    add_lights(input.planned.plan, scene);
+    stats.plan = input.planned.plan;
+    return input;
+}
 
-    PhaseTimer map_timer(run.stats, "map");
-    const std::optional<MappedCache> cache = open_cache(a, planned, geometry);
-    map_timer.stop();
-    const CacheView view = cache ? cache->view() : CacheView{};
+decltype(Image::metadata) describe(const Arguments& a, const Input& input, const Camera& view,
+                                   const CacheView& cache, const Stats& stats) {
+    decltype(Image::metadata) metadata = {
+        {"tallow/scene", a.scene.string()},
+        {"tallow/camera", view.name},
+        {"tallow/cache", cache.fingerprint.empty() ? "none" : fingerprint_id(cache.fingerprint)},
+        {input.accuracy.certified ? "tallow/certified" : "tallow/tolerance",
+         fmt::format("{}", input.accuracy.tolerance)},
+        {"tallow/criterion", a.criterion},
+        {"tallow/samples", fmt::format("{}", input.options.samples)},
+        {"tallow/version", stats.versions.at("tallow")},
+    };
+    if (input.moves) metadata.emplace_back("tallow/frame", fmt::format("{}", view.frame));
+    return metadata;
+}
 
-    Image image = render_image(scene, geometry, view, options, run.progress, run.stats);
-
-    PhaseTimer write_timer(run.stats, "write");
-    add_metadata(image, a, scene, camera, view, options, run.stats);
-    for (const std::filesystem::path output : a.outputs) {
+void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
+    const PhaseTimer timer(run.stats, "write");
+    for (const std::filesystem::path name : a.outputs) {
+        const auto output = a.frames.empty() ? name : frame_file(name, frame);
         if (output.extension() == ".exr")
             write_exr(output, image);
         else
             write_png(output, image, float(a.exposure.value_or(0)));
         run.progress.note(fmt::format("wrote {}", output.string()));
     }
-    write_timer.stop();
+}
+
+void render(const Arguments& a, ToolRun& run) {
+    if (!a.plan) require_image_names(a);
+    const Input input = read_input(a, run.stats);
+    if (a.plan) {
+        fmt::print("{}", plan_text(input.planned.plan));
+        return;
+    }
+    note_double_counting(input.planned.scene, run.progress);
+    PhaseTimer map_timer(run.stats, "map");
+    const std::optional<MappedCache> cache = open_cache(a, input.planned, input.geometry);
+    map_timer.stop();
+    const CacheView cached = cache ? cache->view() : CacheView{};
+    const PreparedScene world(input.planned.scene, input.geometry, cached, input.accuracy,
+                              input.planned.diffuse, run.stats);
+
+    // Before the first frame takes its time.
+    for (const Camera& view : input.views)
+        require_camera_outside(world.scene(), world.rays(), view);
+    for (const Camera& view : input.views) {
+        const auto start = std::chrono::steady_clock::now();
+        Image image = render_image(world, view, input.options, run.progress, run.stats);
+        image.metadata = describe(a, input, view, cached, run.stats);
+        write(a, image, view.frame, run);
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+        if (!a.frames.empty()) run.stats.frames.push_back({view.frame, elapsed.count()});
+    }
 }
 
 }  // namespace
@@ -280,8 +177,8 @@ int main(int argc, char** argv) {
     Arguments arguments;
     return tool_main(
         "tallow-render",
-        "Pass two: renders a camera's image from a scene and the cache that tallow-precompute made "
-        "of it.",
+        "Pass two: renders a camera's image, or many frames of it, from a scene and the cache that "
+        "tallow-precompute made of it.",
         argc, argv, [&](CommandLine& line) { declare(line, arguments); },
         [&](ToolRun& run) { render(arguments, run); });
 }

@@ -42,4 +42,11 @@ int march_steps_of_pixel(Model model, const Medium& medium, double tolerance) {
     return steps;
 }
 
+int march_steps_of_pixel(const SubsurfaceMaterial& material, const Settings& settings,
+                         double tolerance) {
+    return settings.single_scattering_depths
+               ? *settings.single_scattering_depths
+               : march_steps_of_pixel(material.model, material.medium, tolerance);
+}
+
 }  // namespace tallow

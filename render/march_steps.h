@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "common/optics/profile.h"
+#include "common/scene/scene.h"
+#include "render/single_scatter.h"
 
 namespace tallow {
 
@@ -38,5 +42,14 @@ double single_scattering_share(Model model, const Medium& medium);
 ///          Under the sky noise is 1.5 times that of the fit: half of its directions cross the
 ///          body.
 int march_steps_of_pixel(Model model, const Medium& medium, double tolerance);
+
+/// settings.single_scattering_depths, or the same as above without a number.
+int march_steps_of_pixel(const SubsurfaceMaterial& material, const Settings& settings,
+                         double tolerance);
+
+/// Depths shared by the camera rays of a pixel, rounded down, but at least one a ray.
+inline MarchSteps share_steps(int steps_of_pixel, int samples) {
+    return {std::max(1, steps_of_pixel / samples), std::max(steps_of_pixel, samples)};
+}
 
 }  // namespace tallow

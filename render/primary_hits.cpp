@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 #include "common/base/errors.h"
 #include "common/base/rng.h"
 #include "common/optics/fresnel.h"
@@ -30,6 +32,23 @@ Rgb mirror_reflectance(const Material& material, float cos_o) {
 void face(Hit& hit, Vec3 w_o) {
     if (glm::dot(hit.n_g, w_o) < 0) hit.n_g = -hit.n_g, hit.n = -hit.n;
     if (glm::dot(hit.n, w_o) <= 0) hit.n = hit.n_g;
+}
+
+// A camera ray starts at a place in its pixel and at one on the lens. Both are sequences in an
+// order of their own: what is drawn later by the ray's number, on lamps and for paths, must not be
+// tied to them.
+enum class Start : std::uint64_t { pixel = 0x9fb21c651e98df25, lens = 0x2545f4914f6cdd1d };
+
+Vec2 start_sample(Start start, std::uint32_t number, std::uint64_t pixel_seed) {
+    const std::uint64_t seed = mix_bits(pixel_seed ^ std::uint64_t(start));
+    return sobol_2d(shuffled_index(number, seed), seed);
+}
+
+// The centre of the lens, and points around its rim.
+std::span<const Vec2> lens_points(const Camera& camera) {
+    static constexpr Vec2 kPoints[] = {Vec2(0.5f), {0, 0},    {0.5f, 0}, {1, 0},   {1, 0.5f},
+                                       {1, 1},     {0.5f, 1}, {0, 1},    {0, 0.5f}};
+    return std::span(kPoints).first(camera.lens_radius > 0 ? std::size(kPoints) : 1);
 }
 
 class PathTracer {
@@ -94,9 +113,13 @@ PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Ca
             const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
             for (int k = range.first; k < range.end; ++k) {
                 // One sample sits at the pixel's centre, more are spread over its square.
-                const Vec2 u =
-                    range.samples == 1 ? Vec2(0.5f) : sobol_2d(std::uint32_t(k), pixel_seed);
-                const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y);
+                const Vec2 u = range.samples == 1
+                                   ? Vec2(0.5f)
+                                   : start_sample(Start::pixel, std::uint32_t(k), pixel_seed);
+                const Vec2 lens = camera.lens_radius > 0
+                                      ? start_sample(Start::lens, std::uint32_t(k), pixel_seed)
+                                      : Vec2(0.5f);
+                const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y, lens);
                 tracer.follow(ray, pixel, std::uint32_t(k), pixel_seed,
                               Rgb(1.0f / float(range.samples)));
             }
@@ -105,15 +128,18 @@ PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Ca
 }
 
 void require_camera_outside(const Scene& scene, const RayScene& rays, const Camera& camera) {
-    const Ray view{camera.position, glm::normalize(camera.look_at - camera.position)};
     for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
         if (subsurface(scene, object) == nullptr) continue;
-        const auto hit = rays.intersect_object(view, object);
-        if (hit && glm::dot(hit->n_g, view.direction) > 0)
+        for (const Vec2 lens : lens_points(camera)) {
+            const Ray view =
+                camera_ray(camera, 0.5f * float(camera.width), 0.5f * float(camera.height), lens);
+            const auto hit = rays.intersect_object(view, object);
+            if (!hit || glm::dot(hit->n_g, view.direction) <= 0) continue;
             throw InputError(
-                fmt::format("{}: camera '{}' is inside this translucent body; move "
-                            "it outside",
-                            scene.objects[object].where, camera.name));
+                fmt::format("{}: camera '{}' is inside this translucent body{}; move it outside",
+                            scene.objects[object].where, camera.name,
+                            camera.frame > 0 ? fmt::format(" in frame {}", camera.frame) : ""));
+        }
     }
 }
 

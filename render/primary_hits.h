@@ -49,7 +49,8 @@ struct SampleRange {
     int first, end, samples;
 };
 
-/// Sends a range of stratified camera rays through each pixel of a tile and follows them over
+/// Sends a range of stratified camera rays through each pixel of a tile, from all over the lens if
+/// there is one, and follows them over
 /// mirror reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies,
 /// weighted with the Fresnel reflectance. Weights (throughputs and radiances) are divided by
 /// range.samples.
@@ -58,8 +59,8 @@ struct SampleRange {
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
                               const Tile& tile, SampleRange range);
 
-/// Refuses a camera inside a translucent body: the method sees bodies from outside. Throws
-/// InputError.
+/// Refuses a camera inside a translucent body: the method sees bodies from outside. Of a lens the
+/// centre and eight points of the rim are looked at. Throws InputError.
 void require_camera_outside(const Scene& scene, const RayScene& rays, const Camera& camera);
 
 }  // namespace tallow

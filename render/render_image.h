@@ -6,25 +6,25 @@
 
 #include "common/base/progress.h"
 #include "common/base/stats.h"
-#include "common/cloud/cache_io.h"
-#include "common/exitance/exitance_field.h"
 #include "common/image/image.h"
-#include "common/scene/scene_geometry.h"
+#include "render/prepared_scene.h"
 #include "render/primary_hits.h"
 
 namespace tallow {
 
+/// One picture of a scene.
 struct RenderOptions {
-    int camera = 0;  ///< index into Scene::cameras
-    Tile crop;       ///< pixels to render, inside the camera's image
-    std::vector<std::string> layers;
-    ExitanceAccuracy accuracy;
-    std::vector<std::optional<Rgb>> diffuse{};  ///< [object] of ScenePlan
+    Tile crop;         ///< pixels to render, inside the camera's image
+    int samples = 16;  ///< camera rays a pixel
+    std::vector<std::string> layers{};
 };
 
-/// Pass two: scene, geometry and cache -> image. The number of camera rays is the scene's.
-/// The same image for any number of threads. Throws InputError, Interrupted.
-Image render_image(const Scene& scene, const SceneGeometry& geometry, const CacheView& cache,
-                   const RenderOptions& options, Progress& progress, Stats& stats);
+/// All pixels of a camera.
+Tile whole_image(const Camera& camera);
+
+/// Pass two: what a camera sees. The same image for any number of threads, and whatever was
+/// rendered before. Adds times and counts to `stats`. Throws InputError, Interrupted.
+Image render_image(const PreparedScene& world, const Camera& camera, const RenderOptions& options,
+                   Progress& progress, Stats& stats);
 
 }  // namespace tallow

@@ -11,7 +11,8 @@ set(rules
   "common/scene=common/base|common/optics|common/geometry|common/image|common/scene"
   "common/cloud=common/base|common/optics|common/geometry|common/image|common/scene|common/cloud"
   "common/nbody=common/base|common/optics|common/cloud|common/nbody"
-  "common/exitance=common/base|common/optics|common/scene|common/cloud|common/nbody|common/exitance"
+  "common/diffusion=common/base|common/optics|common/cloud|common/nbody|common/diffusion"
+  "common/exitance=common/base|common/optics|common/scene|common/cloud|common/nbody|common/diffusion|common/exitance"
   "common/lighting=common/base|common/optics|common/geometry|common/scene|common/exitance|common/lighting"
   "precompute=common|precompute"
   "render=common|render"
@@ -29,6 +30,7 @@ set(fences
   "tbb/=common/base/(parallel|stats).cpp"
   "CLI/=common/base/cli.cpp"
   "nlohmann/=(common/base/stats|material/material_json).cpp"
+  "(unsupported/)?Eigen/=common/diffusion/boundary_operator.cpp"
   "hwy/=common/nbody/([a-z_]+-inl\\.h|group_sum\\.cpp)"
   "SDL=viewer/.*")
 

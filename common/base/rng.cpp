@@ -57,6 +57,10 @@ Vec2 Sobol2d::operator()(std::uint32_t index) const {
             to_unit_float(owen_scramble_reversed(reversed_sobol_second(index), seed_y_))};
 }
 
+std::uint32_t shuffled_index(std::uint32_t index, std::uint64_t seed) {
+    return owen_scramble_reversed(reverse_bits(index), static_cast<std::uint32_t>(mix_bits(seed)));
+}
+
 float sobol_third(std::uint32_t index, std::uint64_t scramble) {
     const auto seed = static_cast<std::uint32_t>(mix_bits(scramble ^ 0xbb67ae8584caa73bull) >> 32);
     return to_unit_float(owen_scramble_reversed(reversed_sobol_third(index), seed));

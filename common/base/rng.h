@@ -45,6 +45,11 @@ inline Vec2 sobol_2d(std::uint32_t index, std::uint64_t scramble) {
     return Sobol2d(scramble)(index);
 }
 
+/// A permutation of indices that takes aligned blocks of 2^k to aligned blocks: a sequence in this
+/// order is as good as before, and can stand beside the one in the old order without correlation.
+/// Source: Burley 2020, as above, section 5.
+std::uint32_t shuffled_index(std::uint32_t index, std::uint64_t seed);
+
 /// Coordinate `index` of the same sequence's third dimension: with Sobol2d, whatever their
 /// scrambles, any 2^k consecutive aligned points are two in each elementary box of volume 2^(1-k),
 /// and each coordinate alone is one in each interval of 2^-k.

@@ -73,13 +73,20 @@ Stats make_stats(std::string tool, int threads) {
     return stats;
 }
 
+void add_count(Stats& stats, const std::string& name, std::int64_t count) {
+    const auto [counted, is_new] = stats.counts.try_emplace(name, std::int64_t{0});
+    std::get<std::int64_t>(counted->second) += count;
+}
+
 void write_stats(const std::filesystem::path& file, const Stats& stats) {
-    const nlohmann::json json = {{"tool", stats.tool},
-                                 {"seconds", nlohmann::json(stats.seconds)},
-                                 {"counts", to_json(stats.counts)},
-                                 {"errors", to_json(stats.errors)},
-                                 {"versions", nlohmann::json(stats.versions)},
-                                 {"plan", to_json(stats.plan)}};
+    nlohmann::json json = {{"tool", stats.tool},
+                           {"seconds", nlohmann::json(stats.seconds)},
+                           {"counts", to_json(stats.counts)},
+                           {"errors", to_json(stats.errors)},
+                           {"versions", nlohmann::json(stats.versions)},
+                           {"plan", to_json(stats.plan)}};
+    for (const Stats::FrameTime& frame : stats.frames)
+        json["frames"].push_back({{"frame", frame.frame}, {"seconds", frame.seconds}});
     // File names may hold bytes that are not UTF-8: replaced, for a summary must not fail a render.
     const auto on_bad_utf8 = nlohmann::json::error_handler_t::replace;
     OutputFile output(file);

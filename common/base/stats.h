@@ -2,10 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "common/base/plan.h"
 
@@ -22,12 +24,21 @@ struct Stats {
     std::map<std::string, Value> errors;
     std::map<std::string, std::string> versions;
     Plan plan;
+    struct FrameTime {
+        int frame;
+        double seconds;  // wall time, with writing
+    };
+    std::vector<FrameTime> frames;  // of an animation, in the order of rendering
 };
 
 /// Fills `versions` with tallow's own, the compiler's and the libraries', and the thread count.
 Stats make_stats(std::string tool, int threads);
 
-/// Writes JSON {"tool", "seconds", "counts", "errors", "versions", "plan"}. Throws OutputError.
+/// Adds to a count, which is 0 before.
+void add_count(Stats& stats, const std::string& name, std::int64_t count);
+
+/// Writes JSON {"tool", "seconds", "counts", "errors", "versions", "plan"}, and "frames", a list of
+/// {"frame", "seconds"}, if there are any. Throws OutputError.
 void write_stats(const std::filesystem::path& file, const Stats& stats);
 
 /// Adds the time between its construction and stop() or destruction to stats.seconds[phase].

@@ -201,6 +201,18 @@ void add_light(Fingerprint& fingerprint, const Scene& scene, std::size_t index) 
     pairs.add("group", scene.groups[light.group].name);
 }
 
+std::string_view name_of(Exit exit) {
+    switch (exit) {
+        case Exit::normalized:
+            return "normalized";
+        case Exit::classic:
+            return "classic";
+        case Exit::directional:
+            return "directional";
+    }
+    return "";
+}
+
 /// What differs from material to material in how it reflects light.
 struct MaterialPairs {
     PairWriter& pairs;
@@ -212,7 +224,9 @@ struct MaterialPairs {
         pairs.add("model", std::string(std::ranges::find(kModels, body.model,
                                                          &decltype(kModels)::value_type::second)
                                            ->first));
-        pairs.add("exit", std::string(body.exit == Exit::normalized ? "normalized" : "classic"));
+        pairs.add("exit", std::string(name_of(body.exit)));
+        pairs.add("shifts", std::string(body.shifts ? "on" : "off"));
+        pairs.add("boundary_elements", std::string(body.boundary_elements ? "on" : "off"));
     }
     void operator()(const DiffuseMaterial& diffuse) const {
         pairs.add("type", "diffuse");

@@ -28,6 +28,8 @@ ExitanceAccuracy accuracy_of_terms(ExitanceAccuracy accuracy, const ExitanceKern
     return accuracy;
 }
 
+Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
+
 }  // namespace
 
 ExitanceField::ExitanceField(const LitSamples& samples, std::array<KernelTable, 3> profiles,
@@ -35,15 +37,29 @@ ExitanceField::ExitanceField(const LitSamples& samples, std::array<KernelTable, 
     : ExitanceField({}, samples, ExitanceKernels{std::move(profiles)}, accuracy) {}
 
 ExitanceField::ExitanceField(const BodyView& body, const LitSamples& samples,
-                             const ExitanceKernels& kernels, ExitanceAccuracy accuracy)
-    : accuracy_(accuracy), unit_(kernels.profiles[0].unit()) {
+                             const ExitanceKernels& kernels, ExitanceAccuracy accuracy,
+                             const ExitanceShifts& shifts, std::optional<ClusterRatio> ratio)
+    : accuracy_(accuracy),
+      unit_(kernels.profiles[0].unit()),
+      shifts_(shifts),
+      ratio_(std::move(ratio)) {
     const ExitanceAccuracy of_terms = accuracy_of_terms(accuracy, kernels);
     std::vector<float> flux(samples.position.size());
     for (std::size_t c = 0; c < 3; ++c) {
         parallel_for(flux.size(), kGrain,
                      [&](std::size_t i) { flux[i] = samples.E_t[i][int(c)] * samples.area[i]; });
-        sums_[c].emplace(SampleSum::Samples{samples.position, samples.area, samples.nodes}, flux,
-                         kernels.profiles[c], of_terms);
+        const auto position = [&](std::size_t i) {
+            return samples.position[i] +
+                   shifts.entry[c] * tangential(samples.w_i[i], samples.normal[i]);
+        };
+        std::vector<Vec3> moved;
+        if (shifts.any()) {
+            moved.resize(flux.size());
+            parallel_for(flux.size(), kGrain, [&](std::size_t i) { moved[i] = position(i); });
+        }
+        sums_[c].emplace(SampleSum::Samples{shifts.any() ? moved : samples.position, samples.area,
+                                            samples.nodes},
+                         flux, kernels.profiles[c], of_terms);
     }
     if (kernels.needs_irradiance()) variate_.emplace(body, samples, kernels, of_terms);
 }
@@ -59,7 +75,16 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
     const SumTargets targets(std::move(positions), unit_, accuracy_);
     SampleSum::Result sum;
     for (std::size_t c = 0; c < 3; ++c) {
-        sums_[c]->evaluate(targets, sum);
+        if (shifts_.any()) {
+            std::vector<Vec3> moved(points.size());
+            parallel_for(points.size(), kGrain, [&](std::size_t i) {
+                moved[i] =
+                    points[i].position - shifts_.exit[c] * tangential(points[i].w_o, points[i].n);
+            });
+            sums_[c]->evaluate(SumTargets(std::move(moved), unit_, accuracy_), sum);
+        } else {
+            sums_[c]->evaluate(targets, sum);
+        }
         result.repeated += sum.certification.repeated;
         result.uncertified += sum.certification.uncertified;
         parallel_for(points.size(), kGrain, [&](std::size_t i) {
@@ -70,6 +95,7 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
     }
     if (variate_) add_control_variate(points, targets, result);
     parallel_for(points.size(), kGrain, [&](std::size_t i) {
+        if (ratio_) result.M[i] *= ratio_->at(points[i].position, points[i].n);
         result.M[i] = map(result.M[i], [](float M) { return std::max(M, 0.0f); });
     });
     return result;

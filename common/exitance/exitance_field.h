@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/diffusion/cluster_field.h"
 #include "common/exitance/control_variate.h"
 #include "common/exitance/exitance_kernels.h"
 #include "common/exitance/lit_samples.h"
@@ -31,6 +32,13 @@ struct Exitance {
     std::size_t uncertified = 0;     // points and channels whose bound is above the tolerance
 };
 
+/// How far the ends of a profile are moved along the surface, mm a channel, times the sine of the
+/// direction inside on entry, outside on exit.
+struct ExitanceShifts {
+    std::array<float, 3> entry{}, exit{};
+    bool any() const { return entry != std::array<float, 3>{}; }
+};
+
 /// Radiant exitance by multiple scattering on the surface of one body.
 ///
 ///     M(x_o) = sum over samples i of R_d(|x_o - x_i|) E_t(x_i) A_i
@@ -48,7 +56,8 @@ public:
 
     /// For samples at any distance; `samples` are those of `body` that are lit.
     ExitanceField(const BodyView& body, const LitSamples& samples, const ExitanceKernels& kernels,
-                  ExitanceAccuracy accuracy);
+                  ExitanceAccuracy accuracy, const ExitanceShifts& shifts = {},
+                  std::optional<ClusterRatio> ratio = {});
 
     /// Whether ExitancePoint::E_direct has to be filled.
     bool needs_irradiance() const { return variate_.has_value(); }
@@ -62,6 +71,8 @@ private:
 
     ExitanceAccuracy accuracy_;
     double unit_;
+    ExitanceShifts shifts_;
+    std::optional<ClusterRatio> ratio_;
     std::array<std::optional<SampleSum>, 3> sums_;
     std::optional<ControlVariate> variate_;
 };

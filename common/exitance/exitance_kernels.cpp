@@ -81,7 +81,8 @@ private:
 std::unique_ptr<Profile> make_exitance_profile(Model model, const Medium& medium, int channel,
                                                Orders orders) {
     auto profile = make_profile(model, medium, channel, orders);
-    if (model != Model::transport || orders == Orders::all || medium.g <= 0) return profile;
+    const bool knows_orders = model == Model::transport || model == Model::body_aware;
+    if (!knows_orders || orders == Orders::all || medium.g <= 0) return profile;
     const double eta = double(medium.eta);
     const double reduced =
         single_scattering_reflectance(double(medium.alpha_prime()[channel]), eta);

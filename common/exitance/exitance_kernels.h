@@ -24,9 +24,10 @@ struct ExitanceKernels {
     bool needs_irradiance() const { return beta != std::array<double, 3>{}; }
 };
 
-/// The profile that multiple scattering is summed with. `transport` tells orders apart in the
-/// reduced medium, where one isotropic scattering stands for many forward ones: with g > 0 its
-/// first order is more than single scattering adds, and the rest of it has to stay in the profile.
+/// The profile that multiple scattering is summed with. `transport` and `body_aware` tell orders
+/// apart in the reduced medium, where one isotropic scattering stands for many forward ones: with g
+/// > 0 its first order is more than single scattering adds, and the rest of it has to stay in the
+/// profile.
 ///
 ///     R = R_{>= 2} + (1 - s) R_1,   s = (what is scattered once by the medium itself)
 ///                                       / (by the reduced medium), at right angles, at most 1

@@ -81,6 +81,8 @@ LitSamples light_samples(const BodyView& body, std::span<const LightGroup> group
         }
         if (max_channel(E_t) <= 0) continue;
         lit.position.push_back(body.positions[i]);
+        lit.index.push_back(std::uint32_t(i));
+        lit.normal.push_back(body.normals[i]);
         lit.E_t.push_back(E_t);
         if (has_indirect) lit.E_direct.push_back(E_direct);
         lit.w_i.push_back(weighted_direction / mean(E_t));

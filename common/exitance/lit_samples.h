@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct LitSamples {
     std::vector<float> area;        // [sample] mm^2
     std::vector<OctreeNode> nodes;  // depth first; every node owns at least one sample
     std::vector<Rgb> E_direct{};    // [sample] what of E_t comes straight from lights; empty: all
+
+    std::vector<Vec3> normal{};          // [sample] unit, outward
+    std::vector<std::uint32_t> index{};  // [sample] in the body
 
     /// The part of the irradiance that shading points can gather for themselves.
     std::span<const Rgb> direct() const { return E_direct.empty() ? E_t : E_direct; }

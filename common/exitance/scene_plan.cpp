@@ -20,27 +20,40 @@ namespace {
 // have theirs.
 constexpr double kShareOfTolerance = 1.0 / 3;
 
-// Side of the smallest pixel on anything inside the box, mm: that of its nearest point.
+// Side of the smallest pixel on anything inside the box, mm: that of its nearest point as seen from
+// anywhere on the lens. Blur only makes it larger.
 float smallest_footprint(const Camera& camera, const Box& box) {
     const Vec3 nearest = glm::clamp(camera.position, box.low, box.high);
-    const float distance = glm::length(nearest - camera.position);
+    const float distance =
+        std::max(0.0f, glm::length(nearest - camera.position) - camera.lens_radius);
     return 2 * distance * std::tan(camera.fov / 2) / float(camera.height);
 }
 
 // Whether a ball around the box may be in the picture: its centre is no farther outside of the cone
-// around the picture than its radius.
+// around the picture than its radius. What is seen from any place on a lens is within the lens'
+// radius of a cone that is wider by radius / focus, so that the ball grows by it.
 bool may_see(const Camera& camera, const Box& box) {
     const Vec3 center = 0.5f * (box.low + box.high);
-    const float radius = 0.5f * glm::length(box.high - box.low);
+    const float radius = 0.5f * glm::length(box.high - box.low) + camera.lens_radius;
     const Vec3 to_center = center - camera.position;
     const float distance = glm::length(to_center);
     if (!std::isfinite(radius) || distance <= radius) return true;
     const float half_height = std::tan(camera.fov / 2);
     const float half_width = half_height * float(camera.width) / float(camera.height);
-    const float cone = std::atan(std::hypot(half_height, half_width));
+    const float spread = camera.lens_radius > 0 ? camera.lens_radius / camera.focus : 0.0f;
+    const float cone = std::atan(std::hypot(half_height, half_width) + spread);
     const Vec3 forward = glm::normalize(camera.look_at - camera.position);
     const float off = std::acos(std::clamp(glm::dot(to_center / distance, forward), -1.0f, 1.0f));
     return off <= cone + std::asin(radius / distance);
+}
+
+// How all cameras stand in all of their frames.
+std::vector<Camera> all_views(const Scene& scene) {
+    std::vector<Camera> views;
+    for (const Camera& camera : scene.cameras)
+        for (int frame = 0; frame < frame_count(camera); ++frame)
+            views.push_back(camera_at(camera, frame));
+    return views;
 }
 
 bool is_specular(const Material& material) {
@@ -50,14 +63,20 @@ bool is_specular(const Material& material) {
 class Planner {
 public:
     Planner(const Scene& scene, const SceneGeometry& geometry, double tolerance)
-        : geometry_(geometry), tolerance_(tolerance), result_{scene, {}, {}, {}} {}
+        : geometry_(geometry),
+          tolerance_(tolerance),
+          views_(all_views(scene)),
+          result_{scene, {}, {}, {}} {}
 
     ScenePlan make() {
         result_.treatment.assign(scene().objects.size(), Treatment::samples);
         result_.diffuse.resize(scene().objects.size());
         plan_indirect_light();
         for (std::size_t object = 0; object < scene().objects.size(); ++object)
-            if (subsurface(scene(), object) != nullptr) plan_body(object);
+            if (subsurface(scene(), object) != nullptr) {
+                plan_body(object);
+                plan_diffusion(object);
+            }
         for (Material& material : result_.scene.materials)
             if (auto* body = std::get_if<SubsurfaceMaterial>(&material.kind))
                 plan_single_scattering(material.name, *body);
@@ -98,7 +117,7 @@ private:
         }
         const bool absorbs_all = max_channel(material.medium.sigma_s_prime) == 0;
         float footprint = kInfinity;
-        for (const Camera& camera : scene().cameras)
+        for (const Camera& camera : views_)
             footprint = std::min(footprint, smallest_footprint(camera, box));
         const double allowed = kShareOfTolerance * tolerance_;
         const bool forced = material.diffuse_limit != Switch::automatic;
@@ -124,6 +143,18 @@ private:
                forced ? std::nullopt : std::optional(absorbs_all ? 0.0 : allowed));
     }
 
+    void plan_diffusion(std::size_t object) {
+        const SubsurfaceMaterial& material = *subsurface(scene(), object);
+        if (!material.boundary_elements || result_.treatment[object] != Treatment::samples) return;
+        const std::string name = fmt::format("objects[{}]", object);
+        if (encloses_volume(scene().objects[object].shape))
+            decide(name, "diffusion in the body", true, "boundary elements",
+                   "it is finite, and the profile stands for a half-space");
+        else
+            decide(name, "diffusion in the body", false, "not solved",
+                   "a plane is the profile's half-space", 0.0);
+    }
+
     static Rgb total_reflectance(const SubsurfaceMaterial& material) {
         Rgb total;
         for (int c = 0; c < 3; ++c)
@@ -137,7 +168,7 @@ private:
         for (std::size_t other = 0; other < scene().objects.size(); ++other)
             if (other != object && is_specular(scene().materials[scene().objects[other].material]))
                 return false;
-        return std::ranges::none_of(scene().cameras,
+        return std::ranges::none_of(views_,
                                     [&](const Camera& camera) { return may_see(camera, box); });
     }
 
@@ -181,6 +212,7 @@ private:
 
     const SceneGeometry& geometry_;
     double tolerance_;
+    std::vector<Camera> views_;
     ScenePlan result_;
 };
 

@@ -53,6 +53,15 @@ inline ImagePair image_pair(double r2, double z, const DiffusionConstants& k) {
     return image_pair(r2, z, z + 2 * k.z_b, k.s);
 }
 
+/// Fluence at the surface of a half-space of a source at depth z, times 4 pi D, for the boundary
+/// condition phi = 2 A D dphi/dn itself, which an image only approximates:
+///
+///     2 * integral over l of h e^(-h l) (e^(-s d) / d - e^(-s d_l) / d_l),   h = 1 / (2 A D),
+///     d_l^2 = r2 + (z + l)^2
+///
+/// Source   the line of images of a radiation boundary condition, e.g. [CJ59] section 14.10.
+double half_space_fluence(double r2, double z, const DiffusionConstants& k);
+
 /// C_E flux + C_phi / D fluence: what of a pair's light leaves, times 4 pi. Source: [d'Eon12].
 inline double exitance(const ImagePair& pair, const DiffusionConstants& k) {
     return k.C_E * pair.flux + k.C_phi / k.D * pair.fluence;

@@ -34,6 +34,8 @@ std::unique_ptr<Profile> make_profile(Model model, const Medium& medium, int cha
             return photon_beam_diffusion_profile(reduced);
         case Model::transport:
             return transport_profile(reduced, orders);
+        case Model::body_aware:
+            return body_aware_profile(reduced, orders);
     }
     TALLOW_CHECK(false, "model {}", int(model));
 }

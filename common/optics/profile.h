@@ -16,17 +16,19 @@ enum class Model {
     better_dipole,          ///< [d'Eon12]
     normalized_diffusion,   ///< [CB15]
     photon_beam_diffusion,  ///< [HCJ13], orders >= 2
-    transport               ///< the half-space itself, by random walks
+    transport,              ///< the half-space itself, by random walks
+    body_aware              ///< photon_beam_diffusion at high albedo, transport below
 };
 
 /// Names as scene files spell them: "dipole", "classic-dipole", "better-dipole", ...
-inline constexpr std::array<std::pair<std::string_view, Model>, 6> kModels = {{
+inline constexpr std::array<std::pair<std::string_view, Model>, 7> kModels = {{
     {"dipole", Model::dipole},
     {"classic-dipole", Model::classic_dipole},
     {"better-dipole", Model::better_dipole},
     {"normalized-diffusion", Model::normalized_diffusion},
     {"photon-beam-diffusion", Model::photon_beam_diffusion},
     {"transport", Model::transport},
+    {"body-aware", Model::body_aware},
 }};
 
 /// Radial profile of the light that leaves a half-space around the point where it entered, in one
@@ -46,9 +48,13 @@ public:
 };
 
 /// Which scattering orders a profile must hold so that nothing is counted twice. Only `transport`
-/// can tell them apart exactly; photon_beam_diffusion always holds the orders >= 2; the others hold
-/// what their authors put in.
+/// and
+/// `body_aware` can tell them apart; photon_beam_diffusion always holds the orders >= 2; the others
+/// hold what their authors put in.
 enum class Orders { all, two_and_more };
+
+/// Share of photon beam diffusion in the profile of Model::body_aware; the rest is transport.
+double share_of_diffusion(double alpha_prime);
 
 /// The profile of channel `channel` of a medium.
 ///

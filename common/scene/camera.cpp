@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
+// Camera -> rays through its pixels.
 #include "common/scene/camera.h"
 
 #include <cmath>
 
 namespace tallow {
+namespace {
 
-Ray camera_ray(const Camera& camera, float x, float y) {
+/// Uniform points of the unit square to uniform points of the unit disc, neighbours to neighbours.
+/// Source: Shirley, Chiu 1997, "A Low Distortion Map Between Disk and Square".
+Vec2 to_disc(Vec2 u) {
+    const Vec2 p = 2.0f * u - Vec2(1);
+    if (p == Vec2(0)) return p;
+    const bool wide = std::abs(p.x) > std::abs(p.y);
+    const float r = wide ? p.x : p.y;
+    const float phi = wide ? kPi / 4 * (p.y / p.x) : kPi / 2 - kPi / 4 * (p.x / p.y);
+    return r * Vec2(std::cos(phi), std::sin(phi));
+}
+
+}  // namespace
+
+Ray camera_ray(const Camera& camera, float x, float y, Vec2 lens) {
     const Vec3 forward = glm::normalize(camera.look_at - camera.position);
     const Vec3 right = glm::normalize(glm::cross(forward, camera.up));
     const Vec3 up = glm::cross(right, forward);
@@ -15,7 +30,11 @@ Ray camera_ray(const Camera& camera, float x, float y) {
     const float pixel_size = 2 * std::tan(camera.fov / 2) / height;
     const Vec3 direction =
         forward + (x - width / 2) * pixel_size * right + (height / 2 - y) * pixel_size * up;
-    return {camera.position, glm::normalize(direction)};
+    if (camera.lens_radius == 0) return {camera.position, glm::normalize(direction)};
+    // All rays of an image point meet where its central ray crosses the plane that is sharp.
+    const Vec2 on_lens = camera.lens_radius * to_disc(lens);
+    const Vec3 offset = on_lens.x * right + on_lens.y * up;
+    return {camera.position + offset, glm::normalize(camera.focus * direction - offset)};
 }
 
 }  // namespace tallow

@@ -54,6 +54,12 @@ Vec3 read_direction(const YamlMap& map, std::string_view key) {
     return unit(v);
 }
 
+bool is_along(Vec3 view, Vec3 up) {
+    // Chosen: at an angle of 0.06 degrees, float still knows which side is right to 4 digits.
+    constexpr float kSmallestSine = 1e-3f;
+    return glm::length(glm::cross(unit(view), up)) < kSmallestSine;
+}
+
 Vec3 read_forward(const YamlMap& map, const LengthReader& lengths) {
     const Vec3 way = lengths.point(map, "look_at") - lengths.point(map, "position");
     if (largest_component(way) == 0) map.fail("look_at", "expected another point than position");
@@ -63,15 +69,11 @@ Vec3 read_forward(const YamlMap& map, const LengthReader& lengths) {
 View read_view(const YamlMap& map, const LengthReader& lengths) {
     View view{lengths.point(map, "position"), lengths.point(map, "look_at"),
               read_forward(map, lengths), Vec3(0, 1, 0)};
-    // Chosen: at an angle of 0.06 degrees, float still knows which side is right to 4 digits.
-    constexpr float kSmallestSine = 1e-3f;
-    const auto parallel = [&] {
-        return glm::length(glm::cross(view.forward, view.up)) < kSmallestSine;
-    };
     if (map.has("up")) {
         view.up = read_direction(map, "up");
-        if (parallel()) map.fail("up", "expected a direction that is not the direction of view");
-    } else if (parallel()) {
+        if (is_along(view.forward, view.up))
+            map.fail("up", "expected a direction that is not the direction of view");
+    } else if (is_along(view.forward, view.up)) {
         view.up = Vec3(0, 0, -1);  // straight up or down: as on a map, north is up
     }
     return view;

@@ -31,6 +31,9 @@ struct View {
     Vec3 up;                 // unit, not perpendicular to `forward` in general
 };
 
+/// Whether a direction of view (of any length) leaves no side of `up` (unit) to be right.
+bool is_along(Vec3 view, Vec3 up);
+
 /// The keys position and look_at, and the unit direction between them; look_at must be elsewhere.
 Vec3 read_forward(const YamlMap& map, const LengthReader& lengths);
 

@@ -156,14 +156,24 @@ std::pair<Switch, Connection> read_single_scattering(const YamlMap& map) {
 MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     map.allow_only({"type", "preset", "dilution", "sigma_a", "sigma_s_prime", "sigma_s",
                     "diffuse_color", "mean_free_path", "g", "eta", "model", "single_scattering",
-                    "exit", "surface", "albedo", "diffuse_limit"});
+                    "exit", "surface", "albedo", "diffuse_limit", "shifts", "boundary_elements"});
     SubsurfaceMaterial material;
     material.model = read_model(map);
     material.medium = read_any_medium(map, material.model, context.lengths);
     // One choice so far; read all the same, so that a scene made for another is not misread.
     map.choice_or("surface", {{"smooth", 0}}, 0);
-    material.exit = map.choice_or(
-        "exit", {{"normalized", Exit::normalized}, {"classic", Exit::classic}}, material.exit);
+    if (material.model == Model::body_aware) {
+        material.exit = Exit::directional;
+        material.shifts = material.boundary_elements = true;
+    }
+    material.exit = map.choice_or("exit",
+                                  {{"normalized", Exit::normalized},
+                                   {"classic", Exit::classic},
+                                   {"directional", Exit::directional}},
+                                  material.exit);
+    material.shifts = map.choice_or("shifts", {{"on", true}, {"off", false}}, material.shifts);
+    material.boundary_elements = map.choice_or("boundary_elements", {{"on", true}, {"off", false}},
+                                               material.boundary_elements);
     material.diffuse_limit = map.choice_or(
         "diffuse_limit", {{"auto", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}},
         material.diffuse_limit);

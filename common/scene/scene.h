@@ -23,7 +23,8 @@ namespace tallow {
 /// How light leaves a translucent surface: T(w_o) of L = M / pi * T.
 enum class Exit {
     normalized,  ///< F_t / (2 * integral of F_t mu): energy is kept
-    classic      ///< F_t, as printed in the papers: loses about 10 % at eta 1.5
+    classic,     ///< F_t, as printed in the papers: loses about 10 % at eta 1.5
+    directional  ///< F_t (1 + a mu'), of light that diffusion brings to the surface; keeps energy
 };
 
 /// A term may be computed always, never, or where it can matter.
@@ -44,6 +45,10 @@ struct SubsurfaceMaterial {
     /// Whether the medium is taken for a diffuse surface, which it is where its mean free paths are
     /// far below a pixel.
     Switch diffuse_limit = Switch::automatic;
+    /// Light enters and leaves sideways: both ends of the profile are moved along the surface.
+    bool shifts = false;
+    /// The profile's half-space is corrected to the body by a solve of diffusion in it.
+    bool boundary_elements = false;
     /// Tints light on its way in and on its way out with its square root each, so that a constant
     /// one scales the total reflectance.
     SurfaceColor albedo{Rgb(1)};
@@ -90,6 +95,11 @@ struct MeshShape {
 };
 using Shape = std::variant<SphereShape, CubeShape, DiscShape, PlaneShape, MeshShape>;
 
+/// Whether the shape has an inside; planes stand for half-spaces.
+inline bool encloses_volume(const Shape& shape) {
+    return !std::holds_alternative<PlaneShape>(shape) && !std::holds_alternative<DiscShape>(shape);
+}
+
 struct Object {
     Shape shape;
     std::uint32_t material;  // index into Scene::materials
@@ -112,6 +122,9 @@ struct Settings {
     std::optional<int> bounces;
     /// Paths of indirect light from each sample; without a number, from the tolerance.
     std::optional<int> indirect_samples;
+    /// Depths a pixel at which light scattered once is collected; without a number, from the
+    /// tolerance.
+    std::optional<int> single_scattering_depths;
     bool everything = false;  // compute also what the plan would leave out
 };
 

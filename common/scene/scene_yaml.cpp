@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene file -> Scene. This file reads the sections that are short; materials, objects and lights
-// have files of their own. Everything is validated here, once: behind it nobody asks again.
+// Scene file -> Scene. This file reads the sections that are short; cameras, materials, objects
+// and lights have files of their own. Everything is validated here, once: behind it nobody asks
+// again.
 #include "common/scene/scene_yaml.h"
 
+#include "common/scene/cameras_yaml.h"
 #include "common/scene/geometry_yaml.h"
 #include "common/scene/lights_yaml.h"
 #include "common/scene/materials_yaml.h"
@@ -14,60 +16,34 @@ namespace tallow {
 namespace {
 
 constexpr int kMostBounces = 64;      // of light between surfaces
-constexpr int kLargestCount = 65536;  // of pixels along an edge, and of samples
+constexpr int kLargestCount = 65536;  // of samples
 
 float read_unit(const YamlMap& scene) {
     return scene.choice_or("unit", {{"mm", 1.0f}, {"cm", 10.0f}, {"m", 1000.0f}}, 1.0f);
 }
 
-Camera read_camera(const YamlEntry& entry, const LengthReader& lengths) {
-    constexpr Range kFieldOfView{0, 180, "an angle in (0, 180) degrees", true, true};
-    require_name(entry.key_where, entry.key);
-    const YamlMap map(entry.value, entry.key);
-    map.choice<int>("type", {{"perspective", 0}});
-    map.allow_only({"type", "position", "look_at", "up", "fov_deg", "resolution"});
-    const View view = read_view(map, lengths);
-    const float fov_deg = map.number("fov_deg", kFieldOfView);
-    const auto& resolution =
-        yaml_items(map.at("resolution"), "resolution", 2, "two integers [width, height]");
-    return {entry.key,
-            view.position,
-            view.look_at,
-            view.up,
-            glm::radians(fov_deg),
-            yaml_integer(resolution[0], "resolution", 1, kLargestCount),
-            yaml_integer(resolution[1], "resolution", 1, kLargestCount)};
-}
-
-std::vector<Camera> read_cameras(const YamlNode& section, const LengthReader& lengths) {
-    std::vector<Camera> cameras;
-    for (const YamlEntry& entry : YamlMap(section, "cameras").entries())
-        cameras.push_back(read_camera(entry, lengths));
-    if (cameras.empty()) fail_expected(section, "cameras", "at least one camera");
-    return cameras;
-}
-
-std::optional<int> read_light_samples(const YamlMap& settings) {
-    const YamlNode& node = settings.at("light_samples");
+// Nothing where the key is absent or says auto.
+std::optional<int> count_or_auto(const YamlMap& settings, std::string_view key, int low, int high) {
+    if (!settings.has(key)) return std::nullopt;
+    const YamlNode& node = settings.at(key);
     if (node.kind == YamlNode::Kind::scalar && node.text == "auto") return std::nullopt;
-    return yaml_integer(node, "light_samples", 1, kLargestCount);
+    return yaml_integer(node, key, low, high);
 }
 
 Settings read_settings(const YamlNode& section) {
     constexpr Range kTolerance{0, 1, "a number in [0, 1)", false, true};
     const YamlMap map(section, "settings");
-    map.allow_only(
-        {"tolerance", "samples", "light_samples", "bounces", "indirect_samples", "plan"});
+    map.allow_only({"tolerance", "samples", "light_samples", "bounces", "indirect_samples",
+                    "single_scattering_depths", "plan"});
     Settings settings;
     settings.tolerance = map.number_or("tolerance", kTolerance, settings.tolerance);
     settings.samples = map.integer_or("samples", 1, kLargestCount, settings.samples);
-    if (map.has("light_samples")) settings.light_samples = read_light_samples(map);
-    if (map.has("indirect_samples") && map.at("indirect_samples").text != "auto")
-        settings.indirect_samples =
-            yaml_integer(map.at("indirect_samples"), "indirect_samples", 1, kLargestCount);
+    settings.light_samples = count_or_auto(map, "light_samples", 1, kLargestCount);
+    settings.bounces = count_or_auto(map, "bounces", 0, kMostBounces);
+    settings.indirect_samples = count_or_auto(map, "indirect_samples", 1, kLargestCount);
+    settings.single_scattering_depths =
+        count_or_auto(map, "single_scattering_depths", 1, kLargestCount);
     settings.everything = map.choice_or("plan", {{"auto", false}, {"everything", true}}, false);
-    if (map.has("bounces") && map.at("bounces").text != "auto")
-        settings.bounces = yaml_integer(map.at("bounces"), "bounces", 0, kMostBounces);
     return settings;
 }
 

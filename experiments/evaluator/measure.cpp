@@ -22,7 +22,7 @@ struct Time {
 };
 
 template <class Run>
-Time best_time(int repeat, const Run& run) {
+Time best_time(int repeat, const Run& run, std::vector<double>* walls = nullptr) {
     Time best{1e30, 0};
     double all = 0;
     for (int i = 0; i < repeat && (i == 0 || all < kLongEnough); ++i) {
@@ -33,6 +33,7 @@ Time best_time(int repeat, const Run& run) {
         const double cpu = double(std::clock() - cpu_start) / CLOCKS_PER_SEC;
         if (wall.count() < best.wall) best = {wall.count(), cpu};
         all += wall.count();
+        if (walls) walls->push_back(wall.count());
     }
     return best;
 }
@@ -40,7 +41,7 @@ Time best_time(int repeat, const Run& run) {
 // Runs the evaluation of a measurement.
 template <class Run>
 void time_evaluation(Measurement& m, int repeat, const Run& run) {
-    const Time time = best_time(repeat, run);
+    const Time time = best_time(repeat, run, &m.runs);
     m.evaluation = time.wall, m.busy = time.cpu / time.wall;
 }
 

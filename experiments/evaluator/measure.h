@@ -15,6 +15,7 @@ namespace tallow {
 /// runs, and the results of the last.
 struct Measurement {
     double grouping = 0, evaluation = 0;
+    std::vector<double> runs;  // s, all evaluations
     // CPU seconds of the process per second of the fastest evaluation. Well below the number of
     // threads, something else had the cores, or the work was not shared.
     double busy = 0;

@@ -15,7 +15,7 @@
 namespace tallow {
 namespace {
 
-constexpr int kTileSize = 32;  // as in render/render_image.cpp
+constexpr int kTileSize = 32;  // as in render/band_renderer.cpp
 
 bool same(Rgb a, Rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scene and cache -> error and time of the evaluator at a list of settings, as CSV on stdout.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +85,7 @@ Tightness tightness(const Measurement& m) {
 constexpr const char* kHeader =
     "scene,material,model,lit_samples,points,criterion,kernel,setting,threads,isa,relRMSE,p99,max,"
     "grouping_s,evaluation_s,prepare_s,evaluations_per_point,mean_bound,max_bound,repeated_share,"
-    "uncertified,violations,reference_points,busy";
+    "uncertified,violations,reference_points,busy,runs_s";
 
 class Sweep {
 public:
@@ -120,7 +121,7 @@ private:
                        double(m.repeated) / (3 * double(problem_.points.size())), m.uncertified,
                        errors.outside);
         }
-        fmt::print(",{},{:.3g}\n", reference_.point.size(), m.busy);
+        fmt::print(",{},{:.3g},{:.4g}\n", reference_.point.size(), m.busy, fmt::join(m.runs, ";"));
         std::fflush(stdout);
     }
 

@@ -14,6 +14,7 @@
 #include "common/exitance/exitance_field.h"
 #include "common/geometry/mesh_repair.h"
 #include "common/scene/presets.h"
+#include "common/scene/scene_yaml.h"
 #include "experiments/sampling/point_sets.h"
 #include "precompute/build_octree.h"
 #include "precompute/choose_light_samples.h"
@@ -28,7 +29,8 @@ struct Arguments {
     std::string samples = "2000,8000,32000,128000", densities = "1,3,10,30", preset = "marble",
                 models = "transport", methods = "cells,random,blue-noise,voronoi";
     std::optional<double> extent;
-    std::optional<int> points;
+    std::string material;
+    std::optional<int> points, seed;
 };
 
 void declare(CommandLine& line, Arguments& a) {
@@ -38,11 +40,15 @@ void declare(CommandLine& line, Arguments& a) {
     line.text("--samples", a.samples, "Numbers of samples", "N,...");
     line.text("--densities", a.densities, "Factors for the medium's coefficients", "X,...");
     line.text("--preset", a.preset, "Medium", "NAME");
+    line.text("--material", a.material, "Medium, as a scene's material, in place of a preset",
+              "YAML");
     line.text("--models", a.models, "Profiles", "MODEL,...");
     line.text("--methods", a.methods, "cells, random, blue-noise, voronoi, bands (sphere only)",
               "METHOD,...");
     line.integer("--points", a.points, 1, 1 << 24, "an integer > 0",
                  "Points where the exitance is compared [default: 3000]");
+    line.integer("--seed", a.seed, 1, 1 << 30, "an integer > 0",
+                 "Of random points and of blue noise [default: 1]");
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -120,7 +126,8 @@ public:
         : mesh_(load_body(a.body, a.extent.value_or(40))),
           surfaces_{mesh_},
           rays_(surfaces_),
-          eta_(eta) {
+          eta_(eta),
+          seed_(2 * std::uint64_t(a.seed.value_or(1)) - 1) {
         if (a.body == "sphere")
             sphere_.to_world.linear = glm::mat3(float(a.extent.value_or(40)) / 2);
         scene_.groups.push_back({"default", Rgb(1)});
@@ -156,10 +163,10 @@ private:
         const auto count = std::size_t(wished);
         if (method == "cells") return sample_surface(mesh_, spacing);
         if (method == "bands") return sample_surface(sphere_, spacing);
-        if (method == "random") return random_points(mesh_, count, 1);
-        if (method == "blue-noise") return blue_noise(mesh_, count, 1);
+        if (method == "random") return random_points(mesh_, count, seed_);
+        if (method == "blue-noise") return blue_noise(mesh_, count, seed_);
         if (method == "voronoi")
-            return with_voronoi_areas(blue_noise(mesh_, count, 1),
+            return with_voronoi_areas(blue_noise(mesh_, count, seed_),
                                       sample_surface(mesh_, spacing / 4));
         throw UsageError("--methods: unknown method '" + method + "'");
     }
@@ -169,6 +176,7 @@ private:
     std::vector<Surface> surfaces_;
     RayScene rays_;
     float eta_;
+    std::uint64_t seed_;  // odd: that of the points where exitance is compared is not
     Scene scene_;
 };
 
@@ -202,6 +210,23 @@ Model model_named(const std::string& name) {
     throw UsageError("--models: unknown model '" + name + "'");
 }
 
+Medium medium_of(const Arguments& a) {
+    if (a.material.empty()) {
+        const Preset* preset = find_preset(a.preset);
+        if (preset == nullptr) throw UsageError("--preset: unknown preset '" + a.preset + "'");
+        return preset->medium;
+    }
+    const Scene scene = parse_scene(
+        "cameras: {c: {type: perspective, position: [0, 0, 1], look_at: [0, 0, 0], fov_deg: 40, "
+        "resolution: [1, 1]}}\nobjects: [{shape: sphere, radius: 1, material: m}]\n"
+        "materials: {m: " +
+            a.material + "}\n",
+        "--material");
+    const SubsurfaceMaterial* material = subsurface(scene, 0);
+    if (material == nullptr) throw UsageError("--material: expected type subsurface");
+    return material->medium;
+}
+
 Medium dense(Medium medium, double factor) {
     medium.sigma_a = medium.sigma_a * float(factor);
     medium.sigma_s_prime = medium.sigma_s_prime * float(factor);
@@ -209,9 +234,8 @@ Medium dense(Medium medium, double factor) {
 }
 
 void sweep(const Arguments& a) {
-    const Preset* preset = find_preset(a.preset);
-    if (preset == nullptr) throw UsageError("--preset: unknown preset '" + a.preset + "'");
-    const Sampler sampler(a, preset->medium.eta);
+    const Medium medium_of_body = medium_of(a);
+    const Sampler sampler(a, medium_of_body.eta);
     const std::vector<double> wished = numbers("--samples", a.samples);
     const Cloud fine = sampler.make("cells", 16 * std::ranges::max(wished));
     std::vector<Cloud> clouds;
@@ -229,7 +253,7 @@ void sweep(const Arguments& a) {
         "seconds_light,rel_rmse,p99\n");
     for (const double density : numbers("--densities", a.densities))
         for (const std::string& model : split(a.models)) {
-            const Medium medium = dense(preset->medium, density);
+            const Medium medium = dense(medium_of_body, density);
             const auto profiles =
                 tabulate_profiles(model_named(model), medium, Orders::two_and_more);
             const auto gather = [&](const LitSamples& lit) {
@@ -241,8 +265,8 @@ void sweep(const Arguments& a) {
             for (const Cloud& cloud : clouds) {
                 const Error error = compare(gather(cloud.lit), reference);
                 fmt::print("{},{},{:g},{},{},{:g},{},{:.6g},{:.6g},{:.4f},{:.4f},{:.5g},{:.5g}\n",
-                           a.body.stem().string(), a.preset, density, model, cloud.method,
-                           cloud.wished, cloud.samples, cloud.spacing,
+                           a.body.stem().string(), a.material.empty() ? a.preset : "material",
+                           density, model, cloud.method, cloud.wished, cloud.samples, cloud.spacing,
                            min_channel(medium.mean_free_path()), cloud.seconds_sample,
                            cloud.seconds_light, error.rel_rmse, error.p99);
             }

@@ -96,7 +96,7 @@ TEST(BadInput, Scenes) {
              "scene.yaml:4:45: preset: given twice, first at scene.yaml:4:29"},
             {"preset: marble", "preset: marble, model: tripole",
              "scene.yaml:4:52: model: expected one of dipole, classic-dipole, better-dipole, "
-             "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
+             "normalized-diffusion, photon-beam-diffusion, transport, body-aware, got 'tripole'"},
             {"preset: marble", "sigma_a: [1, 2], sigma_s_prime: 1, eta: 1.3",
              "scene.yaml:4:38: sigma_a: expected a number or three [r, g, b], got a list of 2"},
             {"preset: marble", "sigma_a: .nan, sigma_s_prime: 1, eta: 1.3",
@@ -216,7 +216,7 @@ TEST(BadInput, Flags) {
          "--crop: expected four integers X0,Y0,X1,Y1 inside 8 x 8 pixels, got '4,4,4,8'"},
         {true, with(rendering, {"--aovs", "depth"}),
          "--aovs: expected all, none or some of multiple, single, diffuse, specular, emission, "
-         "exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
+         "scattered, exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
         {true, with(rendering, {"--certify", "0.00001"}),
          "--certify: expected a number in [1e-4, 1), got '0.00001'"},
         {true, with(rendering, {"--certify", "0.01", "--tolerance", "0.01"}),
@@ -231,7 +231,7 @@ TEST(BadInput, Flags) {
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "
          "sigma_a, "
          "sigma_s_prime, sigma_s, diffuse_color, mean_free_path, g, eta, model, single_scattering, "
-         "exit, surface, albedo, diffuse_limit"},
+         "exit, surface, albedo, diffuse_limit, shifts, boundary_elements"},
         {true, with(rendering, {"--set", "materials.wax.eta=1.4"}),
          "--set materials.wax.eta: materials has no 'wax'"},
         {true, with(rendering, {"--set", "eta"}), "--set: expected KEY=VALUE, got 'eta'"},

@@ -130,6 +130,16 @@ TEST(Pipeline, RadianceLayersSumToThePicture) {
             EXPECT_GT(total, 0) << layer;
         }
         for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(picture[i], sum[i], 1e-5);
+        // What scattered is seen directly and in mirrors.
+        const auto layer = [&](const std::string& name) {
+            return channel(folder / "image.exr", name + "." + c);
+        };
+        const auto scattered = layer("scattered"), multiple = layer("multiple"),
+                   single = layer("single"), specular = layer("specular");
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+            EXPECT_GE(scattered[i], multiple[i] + single[i] - 1e-5);
+            EXPECT_LE(scattered[i], multiple[i] + single[i] + specular[i] + 1e-5);
+        }
     }
 }
 
@@ -177,6 +187,32 @@ TEST(Pipeline, HierarchyErrorIsWithinTheTolerance) {
         EXPECT_GT(error, 0) << criterion;
         EXPECT_LT(error, 0.01) << criterion;
     }
+}
+
+// The setting decides; auto takes the tolerance.
+TEST(Pipeline, DepthsOfSingleScatteringCanBeSet) {
+    const path folder = pyramid_folder();
+    make_cache(folder, {"--set", "settings.bounces=0"});
+    const auto single = [&](const std::string& depths) {
+        const std::string image = "depths_" + depths + ".exr";
+        const Result result =
+            render_to(folder, image,
+                      {"--aovs", "single", "--samples", "1", "--set", "settings.bounces=0", "--set",
+                       "materials.stone.single_scattering=on", "--set",
+                       "settings.single_scattering_depths=" + depths});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return channel(folder / image, "single.R");
+    };
+    const std::vector<float> reference = single("1024");
+    const auto error = [&](const std::string& depths) {
+        const std::vector<float> values = single(depths);
+        double squares = 0;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            squares += double((values[i] - reference[i]) * (values[i] - reference[i]));
+        return std::sqrt(squares / double(values.size()));
+    };
+    EXPECT_LT(error("64"), 0.15 * error("4"));   // measured 0.072
+    EXPECT_LT(error("auto"), 0.1 * error("1"));  // measured 0.046
 }
 
 // In every pixel and channel. The plain sum's own kernel is a table of floats, good to 1e-6.

@@ -51,11 +51,11 @@ std::vector<float> render(const SceneTerms& terms) {
     const auto cache = test_out("cache.tallow");
     precompute(scene, {{float(terms.spacing * terms.scale), {}}}, cache, quiet, stats);
     const MappedCache mapped(cache);
-    RenderOptions options;
-    options.crop = {0, 0, 16, 16};
-    options.accuracy.tolerance = scene.settings.tolerance;
-    const Image image =
-        render_image(scene, load_geometry(scene, stats), mapped.view(), options, quiet, stats);
+    const SceneGeometry geometry = load_geometry(scene, stats);
+    const PreparedScene world(scene, geometry, mapped.view(), {scene.settings.tolerance}, {},
+                              stats);
+    const Image image = render_image(world, scene.cameras.front(),
+                                     {{0, 0, 16, 16}, scene.settings.samples}, quiet, stats);
     std::vector<float> values;
     for (const char* name : {"R", "G", "B"}) {
         const std::vector<float>* channel = image.find_channel(name);

@@ -52,5 +52,25 @@ TEST(MarchSteps, GrowWithTheAccuracyUpToALimit) {
     EXPECT_LE(march_steps_of_pixel(Model::transport, preset("skin1"), 0), 1024);
 }
 
+TEST(MarchSteps, AreThoseOfTheSettingsIfThereAreAny) {
+    const SubsurfaceMaterial material{preset("marble")};
+    Settings settings;
+    EXPECT_EQ(march_steps_of_pixel(material, settings, 0.01),
+              march_steps_of_pixel(Model::transport, material.medium, 0.01));
+    settings.single_scattering_depths = 60;
+    EXPECT_EQ(march_steps_of_pixel(material, settings, 0.01), 60);
+}
+
+TEST(MarchSteps, AreSharedByTheCameraRaysOfAPixel) {
+    const auto steps = [](int of_pixel, int samples) {
+        const MarchSteps result = share_steps(of_pixel, samples);
+        return std::pair(result.of_point, result.together);
+    };
+    EXPECT_EQ(steps(64, 16), std::pair(4, 64));
+    EXPECT_EQ(steps(60, 16), std::pair(3, 60));
+    EXPECT_EQ(steps(4, 16), std::pair(1, 16));
+    EXPECT_EQ(steps(1, 1), std::pair(1, 1));
+}
+
 }  // namespace
 }  // namespace tallow

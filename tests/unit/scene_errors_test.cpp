@@ -135,12 +135,16 @@ TEST(SceneErrors, Materials) {
          "scene.yaml:2:44: sigma_a: expected a magnitude of at most 1e+12, got '1e13'"},
         {"a: {type: subsurface, preset: marble, model: tripole}",
          "scene.yaml:2:58: model: expected one of dipole, classic-dipole, better-dipole, "
-         "normalized-diffusion, photon-beam-diffusion, transport, got 'tripole'"},
+         "normalized-diffusion, photon-beam-diffusion, transport, body-aware, got 'tripole'"},
         {"a: {type: subsurface, preset: marble, single_scattering: yes}",
          "scene.yaml:2:70: single_scattering: expected one of auto, on, off, straight, exact, got "
          "'yes'"},
+        {"a: {type: subsurface, preset: marble, shifts: maybe}",
+         "scene.yaml:2:59: shifts: expected one of on, off, got 'maybe'"},
+        {"a: {type: subsurface, preset: marble, boundary_elements: 2000}",
+         "scene.yaml:2:70: boundary_elements: expected one of on, off, got '2000'"},
         {"a: {type: subsurface, preset: marble, exit: lambert}",
-         "scene.yaml:2:57: exit: expected one of normalized, classic, got 'lambert'"},
+         "scene.yaml:2:57: exit: expected one of normalized, classic, directional, got 'lambert'"},
         {"a: {type: subsurface, preset: marble, surface: rough}",
          "scene.yaml:2:60: surface: expected one of smooth, got 'rough'"},
         {"a: {type: subsurface, preset: marble, sigma_x: 1}",
@@ -292,6 +296,8 @@ TEST(SceneErrors, GroupsAndSettings) {
          "scene.yaml:3:21: samples: expected an integer in [1, 65536], got '65537'"},
         {"settings: {light_samples: many}\n",
          "scene.yaml:3:27: light_samples: expected an integer in [1, 65536], got 'many'"},
+        {"settings: {single_scattering_depths: 0}\n",
+         "scene.yaml:3:38: single_scattering_depths: expected an integer in [1, 65536], got '0'"},
         {"settings: {sampels: 1}\n",
          "scene.yaml:3:12: sampels: unknown key, did you mean 'samples'?"},
         {"settings: []\n", "scene.yaml:3:11: settings: expected a map, got an empty list"},
@@ -304,7 +310,7 @@ TEST(SceneErrors, Cameras) {
         {"{}", "scene.yaml:1:10: cameras: expected at least one camera, got an empty map"},
         {"{main: {}}", "scene.yaml:1:17: missing key 'type'"},
         {"{main: {type: orthographic}}",
-         "scene.yaml:1:24: type: expected one of perspective, got 'orthographic'"},
+         "scene.yaml:1:24: type: expected one of perspective, thin-lens, got 'orthographic'"},
         {"{main: {type: perspective, position: [0, 0, 1]}}",
          "scene.yaml:1:17: missing key 'look_at'"},
         {"{main: {type: perspective, position: [0, 0, 1], look_at: [0, 0, 1], fov_deg: 40, "
@@ -325,12 +331,89 @@ TEST(SceneErrors, Cameras) {
         {"{main: {type: perspective, position: [0, 0, 1], look_at: [0, 0, 0], fov_deg: 40, "
          "resolution: [1, 1], fovx: 3}}",
          "scene.yaml:1:111: fovx: unknown key, expected one of type, position, look_at, up, "
-         "fov_deg, resolution"},
+         "fov_deg, resolution, turntable, keyframes"},
         {"{\"\": {type: perspective}}",
          "scene.yaml:1:11: expected a name without '.', ',', '=', got ''"},
     };
     for (const Row& row : rows)
         EXPECT_EQ(input_error("cameras: " + row.text + "\n"), row.message) << row.text;
+}
+
+// Rows begin where a camera that is whole but for its motion or lens ends.
+void expect_camera_messages(const std::string& type, const std::vector<Row>& rows) {
+    const std::string camera = "cameras:\n main:\n  {type: " + type +
+                               ", position: [0, 0, 9], look_at: [0, 0, 0], fov_deg: 40, "
+                               "resolution: [1, 1],\n";
+    for (const Row& row : rows) EXPECT_EQ(input_error(camera + row.text + "}\n"), row.message);
+}
+
+TEST(SceneErrors, CameraMotion) {
+    const std::vector<Row> rows = {
+        {"turntable: 36", "scene.yaml:4:12: turntable: expected a map, got '36'"},
+        {"turntable: {axis: [0, 1, 0]}", "scene.yaml:4:12: missing key 'frames'"},
+        {"turntable: {frames: 0}",
+         "scene.yaml:4:21: frames: expected an integer in [1, 65536], got '0'"},
+        {"turntable: {frames: 3, axis: [0, 0, 0]}",
+         "scene.yaml:4:30: axis: expected a direction, got a vector of length 0"},
+        {"turntable: {frames: 3, degrees: 1e9}",
+         "scene.yaml:4:33: degrees: expected an angle in [-36000, 36000] degrees, got '1e9'"},
+        {"turntable: {frames: 3, angle: 90}",
+         "scene.yaml:4:24: angle: unknown key, expected one of frames, axis, degrees"},
+        {"turntable: {frames: 3}, keyframes: [{frame: 0}]",
+         "scene.yaml:4:36: keyframes: cannot be given together with 'turntable'"},
+        {"keyframes: {frame: 0}", "scene.yaml:4:12: keyframes: expected a list, got a map"},
+        {"keyframes: []",
+         "scene.yaml:4:12: keyframes: expected at least one keyframe, got an empty list"},
+        {"keyframes: [7]", "scene.yaml:4:13: keyframes: expected a map, got '7'"},
+        {"keyframes: [{fov_deg: 3}]", "scene.yaml:4:13: missing key 'frame'"},
+        {"keyframes: [{frame: -1}]",
+         "scene.yaml:4:21: frame: expected an integer in [0, 65535], got '-1'"},
+        {"keyframes: [{frame: 0}, {frame: 4}, {frame: 4}]",
+         "scene.yaml:4:45: frame: expected a frame after 4, got '4'"},
+        {"keyframes: [{frame: 0, up: [0, 1, 0]}]",
+         "scene.yaml:4:24: up: unknown key, expected one of frame, position, look_at, fov_deg"},
+        {"keyframes: [{frame: 0, position: [1, 2]}]",
+         "scene.yaml:4:34: position: expected three numbers [x, y, z], got a list of 2"},
+        {"keyframes: [{frame: 0, fov_deg: 200}]",
+         "scene.yaml:4:33: fov_deg: expected an angle in (0, 180) degrees, got '200'"},
+        {"keyframes: [{frame: 0, position: [0, 0, 0]}]",
+         "scene.yaml:4:12: keyframes: expected position and look_at to be apart, got one point in "
+         "frame 0"},
+        {"keyframes: [{frame: 0}, {frame: 8, position: [0, 0, -9]}]",
+         "scene.yaml:4:12: keyframes: expected position and look_at to be apart, got one point in "
+         "frame 4"},
+        {"keyframes: [{frame: 0}, {frame: 3, position: [0, 9, 0]}]",
+         "scene.yaml:4:12: keyframes: expected a view that is not along 'up', got one in frame 3"},
+    };
+    expect_camera_messages("perspective", rows);
+    EXPECT_EQ(input_error("cameras: {a: {type: perspective, resolution: [1, 1], keyframes: "
+                          "[{frame: 0, look_at: [0, 0, 0]}]}}\n"),
+              "scene.yaml:1:14: missing key 'position'");
+}
+
+TEST(SceneErrors, Lenses) {
+    const std::vector<Row> rows = {
+        {"focus_mm: 9", "scene.yaml:3:3: missing key 'aperture_mm'"},
+        {"aperture_mm: 2", "scene.yaml:3:3: missing key 'focus_mm' or 'focus_at'"},
+        {"aperture_mm: -2, focus_mm: 9",
+         "scene.yaml:4:14: aperture_mm: expected a number >= 0, got '-2'"},
+        {"aperture_mm: 2, focus_mm: 0",
+         "scene.yaml:4:27: focus_mm: expected a length >= 1e-12 mm, got '0'"},
+        {"aperture_mm: 2, focus_mm: 9, focus_at: [0, 0, 0]",
+         "scene.yaml:4:40: focus_at: cannot be given together with 'focus_mm'"},
+        {"aperture_mm: 2, focus_at: [0, 0, 10]",
+         "scene.yaml:4:27: focus_at: expected a point before the camera, got one behind it"},
+        {"aperture_mm: 2, focus_at: [0, 0, 8.5], keyframes: [{frame: 0}, {frame: 8, position: [0, "
+         "0, 1]}]",
+         "scene.yaml:4:27: focus_at: expected a point before the camera, got one behind it in "
+         "frame 1"},
+    };
+    expect_camera_messages("thin-lens", rows);
+    expect_camera_messages(
+        "perspective",
+        {{"aperture_mm: 2",
+          "scene.yaml:4:1: aperture_mm: unknown key, expected one of type, position, look_at, up, "
+          "fov_deg, resolution, turntable, keyframes"}});
 }
 
 // A wrong value that came from a flag is the flag's fault: exit code 2, and no line of the file.

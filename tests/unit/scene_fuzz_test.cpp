@@ -53,6 +53,12 @@ std::string mutate(std::string text, Random& random) {
     return text;
 }
 
+const std::string kMovingCameras = R"(cameras:
+  turn: {type: perspective, position: [0, 2, 9], look_at: [0, 1, 0], fov_deg: 30, resolution: [9, 9], turntable: {frames: 36, axis: [0, 1, 0.1], degrees: -360}}
+  lens: {type: thin-lens, position: [0, 2, 9], look_at: [0, 1, 0], fov_deg: 30, resolution: [9, 9], aperture_mm: 0.5, focus_at: [0, 1, 1]}
+  way: {type: thin-lens, look_at: [0, 1, 0], fov_deg: 30, resolution: [9, 9], aperture_mm: 0.5, focus_mm: 8, keyframes: [{frame: 0, position: [0, 2, 9]}, {frame: 9, position: [4, 2, 9], fov_deg: 12}, {frame: 24, position: [4, 2, 0], look_at: [1, 1, 0]}]}
+)";
+
 const std::string kTexturedScene = kCamera + R"(
 textures:
   board: {type: checker, even: [1, 0.5, 0], odd: 0.125, coordinates: object, period: [1, 2, 3]}
@@ -68,7 +74,10 @@ TEST(SceneFuzz, MutatedScenesLoadOrAreRefused) {
     const auto start = std::chrono::steady_clock::now();
     int loaded = 0, refused = 0;
     for (int i = 0; i < 3000; ++i) {
-        const std::string text = mutate(i % 4 == 0 ? kTexturedScene : kFullScene, random);
+        const std::string text = mutate(i % 4 == 0   ? kTexturedScene
+                                        : i % 4 == 1 ? kMovingCameras
+                                                     : kFullScene,
+                                        random);
         try {
             scene_of(text);
             ++loaded;

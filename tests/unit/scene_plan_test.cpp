@@ -80,6 +80,35 @@ TEST(ScenePlan, FineMediaAreDiffuseFromAfar) {
     EXPECT_EQ(forced.plan().treatment[0], Treatment::samples);
 }
 
+// Frames count like cameras: this one comes near, or turns to a body, in its last frame only.
+TEST(ScenePlan, EveryFrameOfAMovingCameraCounts) {
+    const Medium dense{Rgb(400), Rgb(40000), 0, 1.5f};
+    PlannedScene near;
+    near.add({"paint", body_of(dense)}, Vec3(0), 10);
+    EXPECT_EQ(near.plan().treatment[0], Treatment::diffuse);
+    near.scene.cameras[0].motion =
+        std::vector<Keyframe>{{0, {0, 0, 100}, {0, 0, 0}, 0.6f}, {5, {0, 0, 10.01f}, {}, 0.6f}};
+    EXPECT_EQ(near.plan().treatment[0], Treatment::samples);
+
+    PlannedScene turned;
+    turned.add({"marble", body_of(test::marble())}, Vec3(0, 0, 300), 10);
+    turned.scene.settings.bounces = 0;
+    EXPECT_EQ(turned.plan().treatment[0], Treatment::unseen);
+    turned.scene.cameras[0].motion = Turntable{2, {0, 1, 0}, kTwoPi};
+    EXPECT_EQ(turned.plan().treatment[0], Treatment::samples);
+}
+
+// A lens sees around its pinhole's picture, and from nearer.
+TEST(ScenePlan, LensesSeeMoreThanPinholes) {
+    PlannedScene test;
+    test.add({"marble", body_of(test::marble())}, Vec3(0, 0, 300), 10);
+    test.scene.settings.bounces = 0;
+    test.geometry.surfaces[0] = SphereSurface{{glm::mat3(10.0f), Vec3(75, 0, 0)}};
+    EXPECT_EQ(test.plan().treatment[0], Treatment::unseen);
+    test.scene.cameras[0].lens_radius = 20, test.scene.cameras[0].focus = 50;
+    EXPECT_EQ(test.plan().treatment[0], Treatment::samples);
+}
+
 TEST(ScenePlan, PureAbsorbersNeedNoSamples) {
     PlannedScene test;
     test.add({"ink", body_of({Rgb(1), Rgb(0), 0, 1.3f})}, Vec3(0), 10);

@@ -45,6 +45,52 @@ TEST(SceneYaml, ReadsCamerasInMillimetresAndRadians) {
     EXPECT_EQ(scene.cameras[1].up, Vec3(0, 0, -1));
 }
 
+// Apertures and distances of focus say mm; points are in the unit of the scene.
+TEST(SceneYaml, ReadsLenses) {
+    const std::string lens =
+        "{type: thin-lens, position: [0, 0, 30], look_at: [0, 0, 0], fov_deg: "
+        "40, resolution: [4, 3], aperture_mm: 5, ";
+    const Scene scene = scene_of("unit: cm\ncameras: {a: " + lens + "focus_mm: 120}, b: " + lens +
+                                 "focus_at: [7, -3, 10]}}\n");
+    EXPECT_EQ(scene.cameras[0].lens_radius, 2.5f);
+    EXPECT_EQ(scene.cameras[0].focus, 120);
+    EXPECT_FALSE(scene.cameras[0].focus_point);
+    EXPECT_EQ(scene.cameras[1].focus, 200);
+    EXPECT_EQ(scene.cameras[1].focus_point, Vec3(70, -30, 100));
+}
+
+// What a keyframe leaves out is as the camera says; the camera itself is as in frame 0.
+TEST(SceneYaml, ReadsMotion) {
+    const std::string rest = "fov_deg: 90, resolution: [4, 3]";
+    const Scene scene = scene_of(
+        "unit: cm\ncameras:\n  turn: {type: perspective, position: [0, 0, 3], look_at: [0, 0, 0], "
+        "turntable: {frames: 12, axis: [0, 0, 2], degrees: 180}, " +
+        rest +
+        "}\n  full: {type: perspective, position: [0, 0, 3], look_at: [0, 0, 0], turntable: "
+        "{frames: 7}, " +
+        rest +
+        "}\n  way: {type: perspective, look_at: [0, 1, 0], keyframes: [{frame: 2, position: [0, 1, "
+        "3]}, {frame: 5, position: [1, 1, 3], look_at: [1, 1, 0], fov_deg: 60}], " +
+        rest + "}\n");
+    const auto& turn = std::get<Turntable>(scene.cameras[0].motion);
+    EXPECT_EQ(turn.frames, 12);
+    EXPECT_EQ(turn.axis, Vec3(0, 0, 1));
+    EXPECT_FLOAT_EQ(turn.angle, kPi);
+    EXPECT_EQ(scene.cameras[0].position, Vec3(0, 0, 30));
+    const auto& full = std::get<Turntable>(scene.cameras[1].motion);
+    EXPECT_EQ(full.axis, Vec3(0, 1, 0));
+    EXPECT_FLOAT_EQ(full.angle, kTwoPi);
+    const auto& keys = std::get<std::vector<Keyframe>>(scene.cameras[2].motion);
+    ASSERT_EQ(keys.size(), 2u);
+    EXPECT_EQ(keys[0].frame, 2);
+    EXPECT_EQ(keys[0].look_at, Vec3(0, 10, 0));
+    EXPECT_FLOAT_EQ(keys[0].fov, kPi / 2);
+    EXPECT_EQ(keys[1].look_at, Vec3(10, 10, 0));
+    EXPECT_FLOAT_EQ(keys[1].fov, kPi / 3);
+    EXPECT_EQ(scene.cameras[2].position, Vec3(0, 10, 30));
+    EXPECT_FLOAT_EQ(scene.cameras[2].fov, kPi / 2);
+}
+
 // Coefficients are per mm whatever the unit of the scene.
 TEST(SceneYaml, ReadsMaterials) {
     const Scene scene = scene_of(kFullScene);
@@ -71,6 +117,28 @@ TEST(SceneYaml, ReadsMaterials) {
     EXPECT_EQ(material_of<PlasticMaterial>(scene, 4).eta, 1.5f);
     EXPECT_EQ(material_of<PlasticMaterial>(scene, 5).eta, 1.75f);
     EXPECT_EQ(material_of<MirrorMaterial>(scene, 6).reflectance, Rgb(1));
+}
+
+TEST(SceneYaml, BodyAwareModelSwitchesItsLayersOnAndTheyCanBeSwitchedOff) {
+    const Scene scene = scene_of(R"(
+cameras: {main: {type: perspective, position: [0, 0, 9], look_at: [0, 0, 0], fov_deg: 30, resolution: [8, 8]}}
+materials:
+  plain: {type: subsurface, preset: marble}
+  aware: {type: subsurface, preset: marble, model: body-aware}
+  partly: {type: subsurface, preset: marble, model: body-aware, shifts: off, exit: normalized}
+  other: {type: subsurface, preset: marble, model: dipole, boundary_elements: on}
+)");
+    const auto body = [&](std::size_t i) { return material_of<SubsurfaceMaterial>(scene, i); };
+    EXPECT_FALSE(body(0).shifts);
+    EXPECT_FALSE(body(0).boundary_elements);
+    EXPECT_TRUE(body(1).shifts);
+    EXPECT_TRUE(body(1).boundary_elements);
+    EXPECT_EQ(body(1).exit, Exit::directional);
+    EXPECT_FALSE(body(2).shifts);
+    EXPECT_TRUE(body(2).boundary_elements);
+    EXPECT_EQ(body(2).exit, Exit::normalized);
+    EXPECT_FALSE(body(3).shifts);
+    EXPECT_TRUE(body(3).boundary_elements);
 }
 
 TEST(SceneYaml, PresetKeepsItsCoefficientsUnderAnotherIndexAndPhase) {
@@ -165,6 +233,13 @@ TEST(SceneYaml, ReadsSettings) {
     EXPECT_EQ(settings.tolerance, 0.02f);
     EXPECT_EQ(settings.samples, 4);
     EXPECT_EQ(settings.light_samples, 32);
+    EXPECT_EQ(settings.single_scattering_depths, std::nullopt);
+    EXPECT_EQ(scene_of(kCamera, {"settings.single_scattering_depths=64"})
+                  .settings.single_scattering_depths,
+              64);
+    EXPECT_EQ(scene_of(kCamera, {"settings.single_scattering_depths=auto"})
+                  .settings.single_scattering_depths,
+              std::nullopt);
     EXPECT_EQ(scene_of(kCamera + "settings: {light_samples: auto}\n").settings.light_samples,
               std::nullopt);
 }

@@ -53,6 +53,20 @@ TEST(Stats, EmptySectionsAreObjects) {
         EXPECT_EQ(json[section], nlohmann::json::object()) << section;
 }
 
+TEST(Stats, ListsFramesOfAnimations) {
+    Stats stats;
+    stats.frames = {{3, 0.5}, {4, 0.25}};
+    EXPECT_EQ(written(stats)["frames"], (nlohmann::json{{{"frame", 3}, {"seconds", 0.5}},
+                                                        {{"frame", 4}, {"seconds", 0.25}}}));
+}
+
+TEST(Stats, CountsAddUp) {
+    Stats stats;
+    add_count(stats, "rays", std::int64_t{1} << 40);
+    add_count(stats, "rays", 3);
+    EXPECT_EQ(std::get<std::int64_t>(stats.counts["rays"]), (std::int64_t{1} << 40) + 3);
+}
+
 TEST(Stats, SurvivesTextThatIsNotUtf8) {
     Stats stats;
     stats.counts["mesh"] = "\xff\xfe.ply";

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene, geometry and cache -> all that does not depend on the camera.
+#include "render/prepared_scene.h"
+
+#include <algorithm>
+
+#include "common/base/check.h"
+#include "common/lighting/beam_lengths.h"
+#include "render/march_steps.h"
+
+namespace tallow {
+namespace {
+
+// What single scattering does not add, the exitance must hold.
+Orders orders_of_exitance(const SubsurfaceMaterial& material) {
+    return material.single_scattering == Switch::off ? Orders::all : Orders::two_and_more;
+}
+
+// Lights whose group has the scale 0 get no rays.
+Scene without_dark_lights(Scene scene) {
+    for (Light& light : scene.lights) light.off = max_channel(scene.groups[light.group].scale) == 0;
+    return scene;
+}
+
+bool has_opaque_surface(const Scene& scene, const std::vector<std::optional<Rgb>>& diffuse) {
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (subsurface(scene, i) == nullptr || (!diffuse.empty() && diffuse[i])) return true;
+    return false;
+}
+
+RayScene build_rays(const SceneGeometry& geometry, Stats& stats) {
+    const PhaseTimer timer(stats, "bvh");
+    return RayScene(geometry.surfaces);
+}
+
+bool is_same(const ExitanceSource& a, const ExitanceSource& b) {
+    return a.model == b.model && a.orders == b.orders && a.shifts == b.shifts &&
+           a.boundary_elements == b.boundary_elements && a.medium.sigma_a == b.medium.sigma_a &&
+           a.medium.sigma_s_prime == b.medium.sigma_s_prime && a.medium.g == b.medium.g &&
+           a.medium.eta == b.medium.eta;
+}
+
+}  // namespace
+
+PreparedScene::PreparedScene(Scene scene, const SceneGeometry& geometry, CacheView cache,
+                             ExitanceAccuracy accuracy,
+                             const std::vector<std::optional<Rgb>>& diffuse, Stats& stats)
+    : geometry_(geometry),
+      cache_(std::move(cache)),
+      accuracy_(accuracy),
+      rays_(build_rays(geometry, stats)),
+      bodies_(scene.objects.size()) {
+    prepare(std::move(scene), diffuse, stats);
+}
+
+void PreparedScene::change(Scene scene, const std::vector<std::optional<Rgb>>& diffuse,
+                           Stats& stats) {
+    TALLOW_CHECK(scene.objects.size() == bodies_.size(), "{} objects, {} before",
+                 scene.objects.size(), bodies_.size());
+    prepare(std::move(scene), diffuse, stats);
+}
+
+void PreparedScene::prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse,
+                            Stats& stats) {
+    scene_ = std::move(scene);
+    lit_ = without_dark_lights(scene_);
+    prepare_bodies(diffuse, stats);
+    albedos_.clear();
+    for (const Material& material : scene_.materials) albedos_.push_back(albedo(material));
+    const int bounces = indirect_bounces(scene_);
+    reflected_.emplace(lit_, rays_, bounces, diffuse);
+    indirect_ = bounces > 0 && has_opaque_surface(scene_, diffuse);
+}
+
+void PreparedScene::prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats) {
+    const PhaseTimer timer(stats, "octree");
+    std::int64_t samples = 0, lit = 0, clusters = 0;
+    for (const BodyView& view : cache_.bodies) {
+        std::optional<PreparedBody>& body = bodies_[view.object];
+        if (!diffuse.empty() && diffuse[view.object]) {  // made for another tolerance or camera
+            body.reset();
+            continue;
+        }
+        const Rgb gain =
+            indirect_bounces(scene_) > 0 ? indirect_gain(*subsurface(scene_, view.object)) : Rgb(0);
+        const LitSamples lit_samples = light_samples(view, scene_.groups, gain);
+        samples += std::int64_t(view.positions.size());
+        lit += std::int64_t(lit_samples.position.size());
+        PreparedBody prepared = prepare_body(view, lit_samples, body);
+        clusters += std::int64_t(prepared.exitance_of.clusters());
+        body.emplace(std::move(prepared));
+    }
+    stats.counts["samples"] = samples;
+    stats.counts["lit_samples"] = lit;
+    if (clusters > 0) stats.counts["clusters"] = clusters;
+}
+
+PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples& samples,
+                                         std::optional<PreparedBody>& before) const {
+    const SubsurfaceMaterial& material = *subsurface(scene_, view.object);
+    const Orders orders = orders_of_exitance(material);
+    const ExitanceSource source{material.model, material.medium, orders, material.shifts,
+                                material.boundary_elements};
+    BodyExitance exitance_of = before && is_same(before->source, source)
+                                   ? std::move(before->exitance_of)
+                                   : BodyExitance(view, scene_, orders, ExitanceUse::seen);
+    const auto beams = beam_lengths(rays_, view.object, samples, exitance_of.beam_length());
+    ExitanceField exitance = exitance_of.field(samples, beams, accuracy_);
+    PreparedBody body{&material,
+                      surface_factors(material),
+                      source,
+                      std::move(exitance_of),
+                      std::move(exitance),
+                      march_steps_of_pixel(material, scene_.settings, accuracy_.tolerance),
+                      std::nullopt};
+    if (material.connection == Connection::straight) return body;
+    if (before && before->connections)
+        body.connections.emplace(std::move(*before->connections));  // eta belongs to the cache
+    else
+        body.connections.emplace(geometry_.surfaces[view.object], material.medium.eta);
+    return body;
+}
+
+}  // namespace tallow

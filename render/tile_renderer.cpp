@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Camera rays of a tile -> its pixels, one term of the shading sum after the other.
+#include "render/tile_renderer.h"
+
+#include <algorithm>
+
+#include "render/march_steps.h"
+#include "render/single_scatter.h"
+
+namespace tallow {
+namespace {
+
+// Paths of indirect light from opaque surfaces: so many a pixel, shared by its camera rays, but at
+// least so many each.
+constexpr int kPathsPerPixel = 64, kLeastPaths = 1;
+
+}  // namespace
+
+void TileRenderer::find_hits(SampleRange range) {
+    hits_ = find_primary_hits(view_.world.scene(), view_.world.rays(), view_.camera, tile_, range);
+    describe_surfaces();
+    add_seen_lights();
+}
+
+std::size_t TileRenderer::count_points(std::uint32_t object) const {
+    return std::size_t(
+        std::count_if(hits_.points.begin(), hits_.points.end(),
+                      [&](const ShadingPoint& point) { return point.hit.object == object; }));
+}
+
+void TileRenderer::list_points(std::uint32_t object, ExitancePoint* points) const {
+    const PreparedBody& body = *view_.world.body(object);
+    for (const ShadingPoint& point : hits_.points) {
+        if (point.hit.object != object) continue;
+        *points = {point.hit.position, point.hit.n, point.w_o};
+        if (body.exitance.needs_irradiance())
+            points->E_direct =
+                view_.world.reflected().entering(point, *body.material, shadow_rays());
+        ++points;
+    }
+}
+
+void TileRenderer::add_multiple_scattering(std::uint32_t object, const Exitance& exitance,
+                                           std::size_t next) {
+    const PreparedBody& body = *view_.world.body(object);
+    const float weight = 1.0f / float(view_.samples);
+    for (const ShadingPoint& point : hits_.points) {
+        if (point.hit.object != object) continue;
+        const float T = exit_factor(body.factors, glm::dot(point.hit.n, point.w_o));
+        const Rgb tint = surface_tint(view_.world.scene(), body.material->albedo, point.hit);
+        add(point, &Pixel::multiple, kInvPi * T * tint * exitance.M[next]);
+        Pixel& pixel = pixels_[point.pixel];
+        if (point.depth == 0) {
+            pixel.exitance += weight * tint * exitance.M[next];
+            if (!exitance.bound.empty()) pixel.error_bound += weight * tint * exitance.bound[next];
+        }
+        pixel.evaluations += exitance.evaluations[next];
+        ++next;
+    }
+}
+
+void TileRenderer::add_single_scattering(std::uint32_t object) {
+    const PreparedBody& body = *view_.world.body(object);
+    const MarchSteps steps = share_steps(body.march_steps, view_.samples);
+    std::vector<const ShadingPoint*> points;
+    std::vector<EyePoint> eyes;
+    for (const ShadingPoint& point : hits_.points) {
+        if (point.hit.object != object) continue;
+        points.push_back(&point);
+        eyes.push_back(
+            {point.hit, point.w_o, point.pixel_seed, point.ray * std::uint32_t(steps.of_point)});
+    }
+    std::vector<Rgb> L(points.size());
+    single_scatter({view_.world.lit(), view_.world.rays(), view_.world.surface(object), object,
+                    body.material->medium, body.connections ? &*body.connections : nullptr,
+                    body.material->albedo},
+                   eyes, steps, L);
+    for (std::size_t i = 0; i < points.size(); ++i) add(*points[i], &Pixel::single, L[i]);
+}
+
+void TileRenderer::add_reflected_light() {
+    for (const ShadingPoint& point : hits_.points)
+        if (view_.world.body(point.hit.object) == nullptr)
+            add(point, &Pixel::diffuse, view_.world.reflected().direct(point, shadow_rays()));
+}
+
+void TileRenderer::add_indirect_light() {
+    const int paths = std::max(kLeastPaths, kPathsPerPixel / view_.samples);
+    vertices_.clear();
+    for (std::size_t i = 0; i < hits_.points.size(); ++i)
+        add(hits_.points[i], &Pixel::diffuse,
+            view_.world.reflected().indirect(hits_.points[i], paths, std::uint32_t(i), vertices_));
+}
+
+void TileRenderer::add_light_of_body(std::uint32_t object, const Exitance& exitance,
+                                     std::size_t next) {
+    for (const BodyVertex& vertex : vertices_)
+        if (vertex.object == object)
+            add(hits_.points[vertex.receiver], &Pixel::diffuse, vertex.factor * exitance.M[next++]);
+}
+
+// To each area light.
+int TileRenderer::shadow_rays() const {
+    return std::max(1, shadow_rays_of_pixel(view_.world.accuracy().tolerance) / view_.samples);
+}
+
+// Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
+void TileRenderer::add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance) {
+    Pixel& pixel = pixels_[point.pixel];
+    const Rgb light = point.throughput * radiance;
+    pixel.*(point.depth == 0 ? layer : &Pixel::specular) += light;
+    if (layer == &Pixel::multiple || layer == &Pixel::single) pixel.scattered += light;
+}
+
+void TileRenderer::describe_surfaces() {
+    const Scene& scene = view_.world.scene();
+    const float weight = 1.0f / float(view_.samples);
+    for (const ShadingPoint& point : hits_.points) {
+        if (point.depth > 0) continue;
+        Pixel& pixel = pixels_[point.pixel];
+        pixel.coverage += weight;
+        pixel.normal += weight * point.hit.n;
+        pixel.position += weight * Vec3(DVec3(point.hit.position) + scene.origin);
+        pixel.depth += weight * point.hit.t;
+        pixel.albedo +=
+            weight * texture_value(scene, point.hit) * view_.world.albedo_of(point.hit.object);
+    }
+}
+
+void TileRenderer::add_seen_lights() {
+    for (const SeenLight& light : hits_.lights)
+        pixels_[light.pixel].*(light.depth == 0 ? &Pixel::emission : &Pixel::specular) +=
+            light.radiance;
+}
+
+}  // namespace tallow

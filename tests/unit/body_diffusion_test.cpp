@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Diffusion in a body against closed forms: a sphere, a slab, and the half-space.
+#include "common/diffusion/body_diffusion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "common/cloud/morton.h"
+#include "common/optics/diffusion.h"
+#include "precompute/build_octree.h"
+
+namespace tallow {
+namespace {
+
+/// A sampled closed surface and light that enters at right angles.
+struct LitSurface {
+    std::vector<Vec3> position, normal, w_i;
+    std::vector<float> area;
+    std::vector<Rgb> E_t;
+    std::vector<OctreeNode> nodes;
+    std::vector<float> depth;
+    std::vector<std::uint32_t> index;
+
+    void add(Vec3 x, Vec3 n, float a, float E) {
+        position.push_back(x), normal.push_back(n), w_i.push_back(-n);
+        area.push_back(a), E_t.push_back(Rgb(E));
+    }
+    void build_tree(float beam_length = 1e9f) {
+        const auto order = sorted_order(morton_codes(position));
+        LitSurface sorted;
+        for (const auto i : order) sorted.add(position[i], normal[i], area[i], E_t[i][0]);
+        sorted.nodes = build_octree(sorted.position);
+        sorted.depth.assign(position.size(), beam_length);
+        for (std::uint32_t i = 0; i < position.size(); ++i) sorted.index.push_back(i);
+        *this = std::move(sorted);
+    }
+    SampledSurface surface() const { return {position, normal, area}; }
+    EnteringLight light() const { return {position, normal, w_i, E_t, area, depth, index, nodes}; }
+};
+
+constexpr double kRadius = 10;
+
+// E = 1 + cos theta, theta from +z.
+LitSurface lit_sphere(int n) {
+    LitSurface sphere;
+    const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+    for (int i = 0; i < n; ++i) {
+        const double z = 1 - (2 * i + 1.0) / n, r = std::sqrt(1 - z * z);
+        const Vec3 direction(r * std::cos(golden * i), r * std::sin(golden * i), z);
+        sphere.add(float(kRadius) * direction, direction,
+                   float(4 * std::numbers::pi * kRadius * kRadius / n), float(1 + z));
+    }
+    sphere.build_tree();
+    return sphere;
+}
+
+// A plate of 60 x 60 mm, `thickness` thick, lit evenly from above (+z).
+LitSurface lit_plate(double thickness, double step) {
+    constexpr double kHalf = 30;
+    LitSurface plate;
+    const int n = int(2 * kHalf / step), m = std::max(1, int(thickness / step));
+    const double h = 2 * kHalf / n, v = thickness / m;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const double x = (i + 0.5) * h - kHalf, y = (j + 0.5) * h - kHalf;
+            plate.add({x, y, 0}, {0, 0, 1}, float(h * h), 1);
+            plate.add({x, y, -thickness}, {0, 0, -1}, float(h * h), 0);
+        }
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < m; ++j)
+            for (const double side : {-1.0, 1.0}) {
+                const double x = (i + 0.5) * h - kHalf, z = -(j + 0.5) * v;
+                plate.add({side * kHalf, x, z}, {side, 0, 0}, float(h * v), 0);
+                plate.add({x, side * kHalf, z}, {0, side, 0}, float(h * v), 0);
+            }
+    plate.build_tree(float(thickness));
+    return plate;
+}
+
+Medium medium(float sigma_a) { return {Rgb(sigma_a), Rgb(1), 0, 1.5f}; }
+
+struct Constants {
+    double D, s, A, alpha_prime, length;
+};
+Constants constants(const Medium& medium) {
+    const ReducedChannel reduced = reduced_channel(medium, 0);
+    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
+    const double mfp = 1 / reduced.sigma_t_prime;
+    return {k.D * mfp, k.s / mfp, k.A, reduced.alpha_prime, mfp};
+}
+
+// The depths of first scattering that BodyDiffusion uses, a quadrature of e^-t.
+constexpr double kDepths[][2] = {
+    {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
+
+using Function = std::function<double(double)>;
+double derivative(const Function& f, double x) {
+    const double h = 1e-5;
+    return (f(x + h) - f(x - h)) / (2 * h);
+}
+
+// Exitance of a sphere whose irradiance is the Legendre polynomial of order l = 0 or 1, at its
+// pole.
+double sphere_exitance(const Constants& k, int l) {
+    const Function regular = [&](double r) {
+        const double x = k.s * r;
+        return l == 0 ? std::sinh(x) / x : (x * std::cosh(x) - std::sinh(x)) / (x * x);
+    };
+    const Function decaying = [&](double r) {
+        const double x = k.s * r;
+        return l == 0 ? std::exp(-x) / x : std::exp(-x) * (1 + 1 / x) / x;
+    };
+    const auto boundary = [&](const Function& f) {
+        return f(kRadius) + 2 * k.A * k.D * derivative(f, kRadius);
+    };
+    const double mix = -boundary(decaying) / boundary(regular);
+    const Function outer = [&](double r) { return decaying(r) + mix * regular(r); };
+    double phi = 0;
+    for (const auto& [t, w] : kDepths) {
+        const double a = kRadius - t * k.length;
+        const double q = k.alpha_prime * w * (kRadius / a) * (kRadius / a);
+        phi += q / k.D * regular(a) * outer(kRadius) /
+               (derivative(regular, a) * outer(a) - regular(a) * derivative(outer, a));
+    }
+    return phi / (2 * k.A);
+}
+
+TEST(BodyDiffusion, SphereMatchesItsClosedForm) {
+    const LitSurface sphere = lit_sphere(20000);
+    for (const float sigma_a : {0.0003f, 0.01f, 0.3f}) {
+        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), Rgb(0), 1000);
+        const auto solution = diffusion.solve(sphere.light());
+        EXPECT_TRUE(solution.converged);
+        const Constants k = constants(medium(sigma_a));
+        const double even = sphere_exitance(k, 0), odd = sphere_exitance(k, 1);
+        double square = 0;
+        for (std::size_t i = 0; i < solution.B.size(); ++i) {
+            const double z = double(diffusion.clusters().position[i].z) / kRadius;
+            const double error = double(solution.B[i][0]) - (even + odd * z);
+            square += error * error;
+        }
+        const double rms = std::sqrt(square / double(solution.B.size())) / even;
+        EXPECT_LT(rms, 0.01) << "sigma_a " << sigma_a;
+    }
+}
+
+TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
+    for (const double thickness : {1.5, 6.0})
+        for (const float sigma_a : {0.05f}) {
+            const LitSurface plate = lit_plate(thickness, 0.5);
+            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), Rgb(0), 1000);
+            const auto solution = diffusion.solve(plate.light());
+            const Constants k = constants(medium(sigma_a));
+            const auto u = [&](double x) {
+                return std::sinh(k.s * x) + 2 * k.A * k.D * k.s * std::cosh(k.s * x);
+            };
+            double front = 0, back = 0;
+            for (const auto& [t, w] : kDepths) {
+                const double z = t * k.length;
+                if (z >= thickness) continue;
+                const double W =
+                    k.s * (u(z) * (std::cosh(k.s * (thickness - z)) +
+                                   2 * k.A * k.D * k.s * std::sinh(k.s * (thickness - z))) +
+                           u(thickness - z) *
+                               (std::cosh(k.s * z) + 2 * k.A * k.D * k.s * std::sinh(k.s * z)));
+                front += k.alpha_prime * w * u(0) * u(thickness - z) / (k.D * W * 2 * k.A);
+                back += k.alpha_prime * w * u(z) * u(0) / (k.D * W * 2 * k.A);
+            }
+            double sum[2] = {}, count[2] = {};
+            for (std::size_t i = 0; i < solution.B.size(); ++i) {
+                const Vec3 x = diffusion.clusters().position[i];
+                if (std::abs(x.x) > 5 || std::abs(x.y) > 5) continue;
+                const int side = x.z < -0.5 * thickness;
+                sum[side] += double(solution.B[i][0]), count[side] += 1;
+            }
+            EXPECT_NEAR(sum[0] / count[0], front, 0.02 * front) << thickness << " " << sigma_a;
+            EXPECT_NEAR(sum[1] / count[1], back, 0.02 * back) << thickness << " " << sigma_a;
+        }
+}
+
+TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
+    const LitSurface block = lit_plate(20, 0.6);
+    const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), 1000);
+    const auto solution = diffusion.solve(block.light());
+    for (std::size_t i = 0; i < solution.B.size(); ++i) {
+        const Vec3 x = diffusion.clusters().position[i];
+        if (std::abs(x.x) > 15 || std::abs(x.y) > 15 || x.z < -1) continue;
+        EXPECT_NEAR(solution.B[i][0] / solution.Hs[i][0], 1, 0.02);
+    }
+}
+
+TEST(SurfaceClusters, PartitionTheSamplesAndDoNotReachThroughThinSheets) {
+    const LitSurface plate = lit_plate(0.5, 0.5);
+    const SurfaceClusters clusters = cluster_surface(plate.surface(), 500);
+    EXPECT_GE(clusters.count(), 500u);
+    EXPECT_LE(clusters.count(), 1024u);
+    std::vector<int> seen(plate.position.size());
+    double area = 0;
+    for (std::size_t i = 0; i < clusters.count(); ++i) {
+        area += double(clusters.area[i]);
+        for (const auto s : clusters.samples(i)) {
+            ++seen[s];
+            EXPECT_GT(glm::dot(plate.normal[s], clusters.normal[i]), 0.5f);
+        }
+    }
+    for (const int count : seen) EXPECT_EQ(count, 1);
+    EXPECT_NEAR(area, 2 * 60 * 60 + 4 * 60 * 0.5, 0.5);
+}
+
+}  // namespace
+}  // namespace tallow
