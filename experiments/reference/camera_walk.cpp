@@ -21,11 +21,14 @@ public:
 
     Effort follow(Walker& walker, WalkRandom& random) {
         unit_ = walker.power;
-        if (counts_ == CameraCounts::everything)
+        effort_.walks = 1;
+        if (counts_ == CameraCounts::everything) {
             go_through_air(walker, random);
-        else
+            count(walker);
+        } else {
             begin_unlinked(walker, random);
-        return {1, walker.collisions, walker.turns, 0, walker.leaks};
+        }
+        return effort_;
     }
 
 private:
@@ -62,7 +65,7 @@ private:
         if (random.next() < kReflected) {
             walker.power *= reflectance / kReflected;
             walker.direction = glm::normalize(reflect(back, normal));
-            if (survives(walker, random)) go_through_air(walker, random);
+            if (survives(walker, random)) go_on_mirrored(walker, random);
             return;
         }
         const auto through = refract(back, normal, body.medium.eta);
@@ -77,6 +80,7 @@ private:
     void fly_on(std::uint32_t index, const Shape& shape, Walker& walker, WalkRandom& random) {
         if constexpr (!Shape::kLinksAll) {
             go_through_body(index, walker, random);
+            count(walker);
             return;
         }
         const Medium& medium = world_.bodies[index].medium;
@@ -86,10 +90,44 @@ private:
         if (!survives(walker, random)) return;
         beyond_links_ = true;
         walker.position = out ? out->position : walker.position + reach * walker.direction;
-        if (out && cross_boundary(1 / medium.eta, -out->normal, walker, random))
-            go_through_air(walker, random);
-        else
-            go_through_body(index, walker, random);
+        split(walker, [&](Walker& copy) {
+            if (out && cross_boundary(1 / medium.eta, -out->normal, copy, random))
+                go_through_air(copy, random);
+            else
+                go_through_body(index, copy, random);
+        });
+    }
+
+    // From the mirror reflection that a camera ray begins with, to a lamp or a body.
+    void go_on_mirrored(Walker& walker, WalkRandom& random) {
+        const auto entry = world_.bodies.enter(walker.position, walker.direction);
+        in_air(walker, entry ? entry->crossing.t : kInfinity);
+        if (!entry) return;
+        ++walker.arrivals;
+        walker.position = entry->crossing.position;
+        const float eta = world_.bodies[entry->body].medium.eta;
+        split(walker, [&](Walker& copy) {
+            if (cross_boundary(eta, entry->crossing.normal, copy, random))
+                go_through_body(entry->body, copy, random);
+            else
+                go_through_air(copy, random);
+        });
+    }
+
+    // The few walks that get somewhere go on as many.
+    template <class GoOn>
+    void split(const Walker& walker, const GoOn& go_on) {
+        constexpr int kCopies = 8;
+        for (int i = 0; i < kCopies; ++i) {
+            Walker copy = walker;
+            copy.power /= kCopies;
+            go_on(copy);
+            count(copy);
+        }
+    }
+
+    void count(const Walker& walker) {
+        effort_ += {0, walker.collisions, walker.turns, 0, walker.leaks};
     }
 
     // Roulette for what has lost most of its power.
@@ -127,6 +165,7 @@ private:
     int channel_;
     std::uint32_t pixel_;
     Film& film_;
+    Effort effort_;
     float unit_ = 0;             // power of a walk at its start
     bool beyond_links_ = false;  // the walk is one that no link counts
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The combined estimator against closed forms and against walks from the camera alone. Seeds are
-// fixed; a right estimator would exceed 4 standard errors once in 16000.
+// The combined estimator against closed forms and against walks from the camera alone. Errors come
+// from 16 batches, so that a right estimator is more than 4 of them off once in 900 comparisons;
+// the seeds are fixed.
 #include <gtest/gtest.h>
 
 #include "common/optics/fresnel.h"
