@@ -81,7 +81,8 @@ def run_suite(path, output, only, fresh):
 def needs(path):
     """What a suite needs besides the programs: "fetch" (scanned meshes), "mitsuba"."""
     suite = read_suite(path)
-    result = {"mitsuba" for mapping in suite.experiments if mapping["kind"] == "total"}
+    result = {"mitsuba" for mapping in suite.experiments
+              if mapping["kind"] == "total" and "mitsuba" in mapping.get("renderers", ["mitsuba"])}
     for mapping in suite.experiments:
         names = mapping.get("cases", [])
         names = [mapping["case"]] if "case" in mapping else names

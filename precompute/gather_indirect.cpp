@@ -12,7 +12,7 @@
 #include "common/base/parallel.h"
 #include "common/base/rng.h"
 #include "common/exitance/body_exitance.h"
-#include "common/lighting/beam_lengths.h"
+#include "common/lighting/beams.h"
 #include "common/lighting/cosine_direction.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
@@ -40,7 +40,9 @@ GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView
             fields.push_back(nullptr);
             continue;
         }
-        const auto beams = beam_lengths(rays, body.object, lit, exitance.beam_length());
+        const auto beams =
+            follow_beams(rays, body.object, lit, subsurface(scene, body.object)->medium.eta,
+                         exitance.beam_length());
         fields.push_back(std::make_unique<ExitanceField>(
             exitance.field(lit, beams, ExitanceAccuracy{tolerance})));
     }

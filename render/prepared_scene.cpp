@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
-#include "common/lighting/beam_lengths.h"
+#include "common/lighting/beams.h"
 #include "render/march_steps.h"
 
 namespace tallow {
@@ -104,7 +104,8 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples&
     BodyExitance exitance_of = before && is_same(before->source, source)
                                    ? std::move(before->exitance_of)
                                    : BodyExitance(view, scene_, orders, ExitanceUse::seen);
-    const auto beams = beam_lengths(rays_, view.object, samples, exitance_of.beam_length());
+    const auto beams =
+        follow_beams(rays_, view.object, samples, material.medium.eta, exitance_of.beam_length());
     ExitanceField exitance = exitance_of.field(samples, beams, accuracy_);
     PreparedBody body{&material,
                       surface_factors(material),

@@ -13,7 +13,7 @@ set(rules
   "common/nbody=common/base|common/optics|common/cloud|common/nbody"
   "common/diffusion=common/base|common/optics|common/cloud|common/nbody|common/diffusion"
   "common/exitance=common/base|common/optics|common/scene|common/cloud|common/nbody|common/diffusion|common/exitance"
-  "common/lighting=common/base|common/optics|common/geometry|common/scene|common/exitance|common/lighting"
+  "common/lighting=common/base|common/optics|common/geometry|common/scene|common/diffusion|common/exitance|common/lighting"
   "precompute=common|precompute"
   "render=common|render"
   "material=common|precompute|render|material"

@@ -92,8 +92,8 @@ public:
         for (const Depth& depth : kDepths) {
             const auto t = float(depth.t * mfp_);
             add(
-                table, kernel, factor * depth.weight, t,
-                [&](std::size_t i) { return t * light_.w_i[i]; }, S);
+                table, kernel, factor * depth.weight, [&](std::size_t i) { return source(i, t); },
+                S);
         }
         return S;
     }
@@ -116,9 +116,9 @@ public:
         const double factor = alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
         std::vector<double> H(clusters_.count());
         add(
-            tabulate_far(kernel), kernel, factor, 0,
+            tabulate_far(kernel), kernel, factor,
             [&](std::size_t i) {
-                return float(mfp_) * tangential(light_.w_i[i], light_.normal[i]);
+                return Source{float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
             },
             H);
         return H;
@@ -132,32 +132,45 @@ private:
         return {kernel, mfp_, unit_, std::max(kernel(range_ * range_) * 1e-2, 1e-30)};
     }
 
-    // Adds factor * sum of the flux of samples times kernel, samples moved by offset(sample); those
-    // whose beam is shorter than `depth` have none.
-    template <class Offset>
-    void add(const KernelTable& table, const Kernel& kernel, double factor, float depth,
-             const Offset& offset, std::vector<double>& result) const {
+    /// Where the light of a sample acts, and how much of it.
+    struct Source {
+        Vec3 offset;  // from the sample, mm
+        float share;
+    };
+
+    // Of the light that first scatters after t mm: beyond the end of its beam, what is mirrored.
+    Source source(std::size_t i, float t) const {
+        const Beam& beam = light_.beams[i];
+        if (t <= beam.length) return {t * light_.w_i[i], 1};
+        return {beam.length * light_.w_i[i] + (t - beam.length) * beam.w, beam.reflected};
+    }
+
+    // Adds factor * sum of the flux of samples times kernel, as source(sample) says.
+    template <class SourceOf>
+    void add(const KernelTable& table, const Kernel& kernel, double factor, const SourceOf& source,
+             std::vector<double>& result) const {
         std::vector<Vec3> positions(light_.area.size());
         std::vector<float> flux(positions.size());
         parallel_for(positions.size(), 16384, [&](std::size_t i) {
-            positions[i] = light_.position[i] + offset(i);
-            flux[i] = light_.depth[i] >= depth ? light_.area[i] * light_.E_t[i][c_] : 0.0f;
+            const Source at = source(i);
+            positions[i] = light_.position[i] + at.offset;
+            flux[i] = at.share * light_.area[i] * light_.E_t[i][c_];
         });
         const PointSum sum(positions, flux, light_.nodes, table);
         std::vector<float> sums(result.size()), evaluations(result.size());
         sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
         parallel_for(result.size(), 64, [&](std::size_t i) {
-            result[i] += factor * (double(sums[i]) + own_cell(i, kernel, flux, offset));
+            result[i] += factor * (double(sums[i]) + own_cell(i, kernel, flux, source));
         });
     }
 
     // What the cell of the cluster's own sample sends to it beyond what it does as a point.
-    template <class Offset>
+    template <class SourceOf>
     double own_cell(std::size_t cluster, const Kernel& kernel, std::span<const float> flux,
-                    const Offset& offset) const {
+                    const SourceOf& source) const {
         if (own_sample_[cluster] < 0) return 0;
         const auto i = std::size_t(own_sample_[cluster]);
-        const Vec3 d = offset(i);
+        const Vec3 d = source(i).offset;
         const Cell cell(light_.normal[i], light_.area[i]);
         double mean = 0;
         for (int k = 0; k < kCellPoints; ++k) {

@@ -14,14 +14,22 @@
 
 namespace tallow {
 
+/// The way of light that enters at a sample, until it scatters: straight on along w_i for `length`
+/// mm, and then for a share `reflected` of it along `w`, mirrored inside the surface.
+struct Beam {
+    float length;
+    float reflected;
+    Vec3 w;  // unit
+};
+
 /// Light that enters a body at samples of its surface, and the tree over them.
 struct EnteringLight {
-    std::span<const Vec3> position;  // [sample] mm
-    std::span<const Vec3> normal;    // [sample] unit, outward
-    std::span<const Vec3> w_i;       // [sample] mean direction of travel inside
-    std::span<const Rgb> E_t;        // [sample] transmitted irradiance, W/mm^2
-    std::span<const float> area;     // [sample] mm^2
-    std::span<const float> depth;    // [sample] mm along w_i to where the beam leaves the body
+    std::span<const Vec3> position;        // [sample] mm
+    std::span<const Vec3> normal;          // [sample] unit, outward
+    std::span<const Vec3> w_i;             // [sample] mean direction of travel inside
+    std::span<const Rgb> E_t;              // [sample] transmitted irradiance, W/mm^2
+    std::span<const float> area;           // [sample] mm^2
+    std::span<const Beam> beams;           // [sample]
     std::span<const std::uint32_t> index;  // [sample] in the SampledSurface
     std::span<const OctreeNode> nodes;
 };

@@ -59,7 +59,7 @@ BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orde
     beam_length_ = BodyDiffusion::deepest_source(material.medium);
 }
 
-ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const float> beams,
+ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const Beam> beams,
                                   ExitanceAccuracy accuracy) const {
     std::optional<ClusterRatio> ratio;
     if (diffusion_) {

@@ -29,9 +29,8 @@ public:
     /// How far beams of light are to be followed for field(), mm; 0 if they are not asked for.
     float beam_length() const { return beam_length_; }
 
-    /// The exitance under some light, whose beams leave the body after beams[sample] mm (or later
-    /// than beam_length()).
-    ExitanceField field(const LitSamples& lit, std::span<const float> beams,
+    /// The exitance under some light, which goes the ways of beams[sample] before it scatters.
+    ExitanceField field(const LitSamples& lit, std::span<const Beam> beams,
                         ExitanceAccuracy accuracy) const;
 
 private:

@@ -34,7 +34,7 @@ PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#56B4E9", "#E
 MARKERS = "osD^vPX"
 
 # Errors are fractions in results.csv and per cent on axes.
-IN_PERCENT = {"relRMSE", "bias", "p99", "max", "noise"}
+IN_PERCENT = {"relRMSE", "bias", "p99", "max", "noise", "own_noise", "floor"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -130,10 +130,10 @@ def draw_dashed(axes, xs, ys, style, label=None):
     axes.plot(xs, ys, linestyle=(0, (4, 3)), linewidth=1.3, color=style.color, label=label)
 
 
-def draw_floor(axes, y, text, color="#666666"):
-    """Adds a level that a line cannot pass, with its words; `y` as plotted."""
+def draw_floor(axes, y, text, color="#666666", right=1.0):
+    """Adds a level that a line cannot pass; `y` as plotted, words up to `right` of the width."""
     axes.axhline(y, color=color, linewidth=1, linestyle=":")
-    axes.annotate(text, (1, y), xycoords=("axes fraction", "data"), ha="right", va="bottom",
+    axes.annotate(text, (right, y), xycoords=("axes fraction", "data"), ha="right", va="bottom",
                   fontsize=8, color=color, xytext=(0, 2), textcoords="offset points")
 
 
@@ -141,15 +141,20 @@ def draw_values(axes, points, x, y, words="{:g}"):
     """Writes the varied value beside each point."""
     for point in points:
         text = words.format(point.value) if isinstance(point.value, (int, float)) else point.value
-        axes.annotate(text, (numbers_of(point, x)[0], numbers_of(point, y)[0]), fontsize=7,
-                      color="#555555", xytext=(4, 4), textcoords="offset points")
+        draw_words(axes, point, x, y, text)
+
+
+def draw_words(axes, point, x, y, text):
+    """Writes beside a point."""
+    axes.annotate(text, (numbers_of(point, x)[0], numbers_of(point, y)[0]), fontsize=7,
+                  color="#555555", xytext=(4, 4), textcoords="offset points")
 
 
 def finish(figure, axes):
     """Adds the legend under the axes, if there is more than one series or a dashed line."""
     with rc_context(LOOK):
         handles, labels = axes.get_legend_handles_labels()
-        dashed = any(isinstance(line, lines.Line2D) and line.is_dashed() for line in axes.lines)
+        dashed = any(line.get_linestyle() == "--" and len(line.get_xdata()) for line in axes.lines)
         if dashed:
             handles.append(lines.Line2D([], [], color="#666666", linestyle=(0, (4, 3))))
             labels.append("extrapolated")

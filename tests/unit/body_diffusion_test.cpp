@@ -21,7 +21,7 @@ struct LitSurface {
     std::vector<float> area;
     std::vector<Rgb> E_t;
     std::vector<OctreeNode> nodes;
-    std::vector<float> depth;
+    std::vector<Beam> beams;
     std::vector<std::uint32_t> index;
 
     void add(Vec3 x, Vec3 n, float a, float E) {
@@ -33,12 +33,12 @@ struct LitSurface {
         LitSurface sorted;
         for (const auto i : order) sorted.add(position[i], normal[i], area[i], E_t[i][0]);
         sorted.nodes = build_octree(sorted.position);
-        sorted.depth.assign(position.size(), beam_length);
+        sorted.beams.assign(position.size(), {beam_length, 0, Vec3(0, 0, 1)});
         for (std::uint32_t i = 0; i < position.size(); ++i) sorted.index.push_back(i);
         *this = std::move(sorted);
     }
     SampledSurface surface() const { return {position, normal, area}; }
-    EnteringLight light() const { return {position, normal, w_i, E_t, area, depth, index, nodes}; }
+    EnteringLight light() const { return {position, normal, w_i, E_t, area, beams, index, nodes}; }
 };
 
 constexpr double kRadius = 10;

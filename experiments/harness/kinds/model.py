@@ -13,6 +13,9 @@ from ..suite import require, require_each
 # What a material says to be of a model. "classic" is what Jensen & Buhler published.
 MODELS = {
     "body-aware": {"model": "body-aware"},
+    "body-aware-no-shifts": {"model": "body-aware", "shifts": "off"},
+    "body-aware-no-elements": {"model": "body-aware", "boundary_elements": "off"},
+    "body-aware-normalized-exit": {"model": "body-aware", "exit": "normalized"},
     "transport": {"model": "transport"},
     "photon-beam-diffusion": {"model": "photon-beam-diffusion"},
     "classic": {"model": "dipole", "exit": "classic", "single_scattering": "on"},
@@ -41,6 +44,9 @@ class Settings:
     indirect: list[typing.Literal["on", "off"]] = dataclasses.field(default_factory=lambda: ["on"])
     tolerance: float = 0.005      # of the hierarchy and of the sampling, each
     samples: int = 64             # camera rays a pixel
+    # Of indirect light where it is on, which takes most of the time on meshes; auto: the program's.
+    bounces: int | typing.Literal["auto"] = "auto"
+    indirect_samples: int | typing.Literal["auto"] = "auto"
     difference_limit: float = 0.5  # end of the scale of difference pictures, of the mean
 
     def __post_init__(self):
@@ -49,7 +55,14 @@ class Settings:
         require_each(self, "on and off", lambda _: True, "indirect")
         require(self, "tolerance", "a number in (0, 1)", lambda t: 0 < t < 1)
         require(self, "samples", "an integer in [1, 65536]", lambda n: 1 <= n <= 65536)
+        require(self, "bounces", "auto or an integer in [1, 64]", _auto_or_up_to(64))
+        require(self, "indirect_samples", "auto or an integer in [1, 65536]",
+                _auto_or_up_to(65536))
         require(self, "difference_limit", "a number above 0", lambda x: x > 0)
+
+
+def _auto_or_up_to(most):
+    return lambda value: value == "auto" or 1 <= value <= most
 
 
 def series_of(model, indirect):
@@ -106,15 +119,23 @@ class _Comparison:
     def _flags(self):
         """Flags of pass one and of pass two."""
         tolerance = ["--tolerance", str(self.settings.tolerance)]
-        bounces = ["--set", "settings.bounces=0"] if self.indirect == "off" else []
-        return tolerance + bounces, tolerance + bounces + ["--samples", str(self.settings.samples)]
+        light = [word for key, value in self._indirect_light().items() if value != "auto"
+                 for word in ("--set", f"settings.{key}={value}")]
+        return tolerance + light, tolerance + light + ["--samples", str(self.settings.samples)]
+
+    def _indirect_light(self):
+        """What the scene is told of it."""
+        if self.indirect == "off":
+            return {"bounces": 0}
+        return {"bounces": self.settings.bounces,
+                "indirect_samples": self.settings.indirect_samples}
 
     def measure(self):
         for layer in LAYERS:
             self.bench.measure("model", self.case.name, series_of(self.model, self.indirect),
                                "layer", layer, lambda layer=layer: self._numbers(layer),
                                tolerance=self.settings.tolerance, samples=self.settings.samples,
-                               inputs=self.case.fingerprint())
+                               inputs=self.case.fingerprint(), **self._indirect_light())
         paths = [self.bench.folder / f"pictures/{self.name}-{part}.png" for part in pictures.PARTS]
         if "rendered" in vars(self) or not all(path.exists() for path in paths):
             self._draw()
@@ -140,7 +161,7 @@ TEXT = """
 Each case is rendered with a tolerance of {tolerance:g} for the hierarchy and for the sampling, \
 and compared with volumetric path tracing of the same scene: a homogeneous medium behind a \
 smooth dielectric boundary (experiments/reference). What is compared is everything that \
-scattered inside the body: our layers multiple + single against the reference's picture, which \
+scattered inside the body: our layer `scattered` against the reference's picture, which \
 holds neither mirror images of lamps nor the lamps themselves. The mean square of the \
 reference's own noise has been taken off every relRMSE; p99 is over averages of 2 x 2 pixels and \
 holds what noise these have left.
@@ -152,12 +173,12 @@ holds what noise these have left.
 def section(settings, bench):
     cases = cases_named(settings.cases)
     points = bench.of("model")
-    missing = [case.name for case in cases if not case.reference.exists()]
+    known = [case for case in cases if bench.of("model", case=case.name)]
+    missing = [case.name for case in cases if case not in known]
     text = TEXT.format(tolerance=settings.tolerance)
     if missing:
         text += (f"\n\nNot measured, because experiments/references holds no truth for them: "
                  f"{', '.join(missing)}.")
-    known = [case for case in cases if case.reference.exists()]
     return Section("Model error against volumetric truth", text, _plots(settings, known, points),
                    [_pictures(bench, case, *pair) for case in known
                     for pair in pairs_of(settings)],
