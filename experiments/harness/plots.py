@@ -133,8 +133,10 @@ def draw_dashed(axes, xs, ys, style, label=None):
 def draw_floor(axes, y, text, color="#666666", right=1.0):
     """Adds a level that a line cannot pass; `y` as plotted, words up to `right` of the width."""
     axes.axhline(y, color=color, linewidth=1, linestyle=":")
-    axes.annotate(text, (right, y), xycoords=("axes fraction", "data"), ha="right", va="bottom",
-                  fontsize=8, color=color, xytext=(0, 2), textcoords="offset points")
+    words = axes.annotate(text, (right, y), xycoords=("axes fraction", "data"), ha="right",
+                          va="bottom", fontsize=8, color=color, xytext=(0, 2),
+                          textcoords="offset points")
+    words.set_in_layout(False)  # or a level near the edge takes the axes' room
 
 
 def draw_values(axes, points, x, y, words="{:g}"):
@@ -146,8 +148,9 @@ def draw_values(axes, points, x, y, words="{:g}"):
 
 def draw_words(axes, point, x, y, text):
     """Writes beside a point."""
-    axes.annotate(text, (numbers_of(point, x)[0], numbers_of(point, y)[0]), fontsize=7,
-                  color="#555555", xytext=(4, 4), textcoords="offset points")
+    words = axes.annotate(text, (numbers_of(point, x)[0], numbers_of(point, y)[0]), fontsize=7,
+                          color="#555555", xytext=(4, 4), textcoords="offset points")
+    words.set_in_layout(False)
 
 
 def finish(figure, axes):
