@@ -6,7 +6,8 @@
 namespace tallow {
 namespace {
 
-// Clusters of a body. Chosen: exitance changes by 0.2 % from 1000 to 4000, docs/BODY_AWARE.md.
+// Clusters of a body. Chosen: on the bunny in marble what leaves in all changes by 0.1 % from 1000 to
+// 4000, the exitance of single pixels by 5 % (relRMSE).
 constexpr std::size_t kClusters = 2000;
 
 // Samples that are farther apart than light travels cannot tell what the light does near them: the

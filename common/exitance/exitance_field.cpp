@@ -95,7 +95,11 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
     }
     if (variate_) add_control_variate(points, targets, result);
     parallel_for(points.size(), kGrain, [&](std::size_t i) {
-        if (ratio_) result.M[i] *= ratio_->at(points[i].position, points[i].n);
+        if (ratio_) {
+            const Rgb ratio = ratio_->at(points[i].position, points[i].n);
+            result.M[i] *= ratio;
+            if (accuracy_.certified) result.bound[i] *= ratio;
+        }
         result.M[i] = map(result.M[i], [](float M) { return std::max(M, 0.0f); });
     });
     return result;
