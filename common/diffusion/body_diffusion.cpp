@@ -86,16 +86,12 @@ public:
             const double d = std::sqrt(r2 + kSoftening * kSoftening * mfp_ * mfp_);
             return std::exp(-s * d) / d;
         };
-        const KernelTable table = tabulate_far(kernel);
-        std::vector<double> S(clusters_.count());
         const double factor = alpha_prime_ / (4 * std::numbers::pi * channel_.D);
-        for (const Depth& depth : kDepths) {
-            const auto t = float(depth.t * mfp_);
-            add(
-                table, kernel, factor * depth.weight, [&](std::size_t i) { return source(i, t); },
-                S);
-        }
-        return S;
+        return sum(kernel, factor, std::size(kDepths), [&](std::size_t i, std::size_t k) {
+            Source at = source(i, float(kDepths[k].t * mfp_));
+            at.share *= float(kDepths[k].weight);
+            return at;
+        });
     }
 
     /// Hs: exitance that the same sources have in a half-space.
@@ -114,14 +110,9 @@ public:
             return sum * to_units;
         };
         const double factor = alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
-        std::vector<double> H(clusters_.count());
-        add(
-            tabulate_far(kernel), kernel, factor,
-            [&](std::size_t i) {
-                return Source{float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
-            },
-            H);
-        return H;
+        return sum(kernel, factor, 1, [&](std::size_t i, std::size_t) {
+            return Source{float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
+        });
     }
 
 private:
@@ -145,39 +136,51 @@ private:
         return {beam.length * light_.w_i[i] + (t - beam.length) * beam.w, beam.reflected};
     }
 
-    // Adds factor * sum of the flux of samples times kernel, as source(sample) says.
+    // [cluster] factor * sum of the flux of samples times kernel, each sample acting at `places`
+    // places as source(sample, place) says. All are points of one tree: from afar they act
+    // together.
     template <class SourceOf>
-    void add(const KernelTable& table, const Kernel& kernel, double factor, const SourceOf& source,
-             std::vector<double>& result) const {
-        std::vector<Vec3> positions(light_.area.size());
-        std::vector<float> flux(positions.size());
-        parallel_for(positions.size(), 16384, [&](std::size_t i) {
-            const Source at = source(i);
-            positions[i] = light_.position[i] + at.offset;
-            flux[i] = at.share * light_.area[i] * light_.E_t[i][c_];
+    std::vector<double> sum(const Kernel& kernel, double factor, std::size_t places,
+                            const SourceOf& source) const {
+        const std::size_t n = light_.area.size();
+        std::vector<Vec3> positions(places * n);
+        std::vector<float> flux(places * n);
+        parallel_for(n, 4096, [&](std::size_t i) {
+            for (std::size_t k = 0; k < places; ++k) {
+                const Source at = source(i, k);
+                positions[i * places + k] = light_.position[i] + at.offset;
+                flux[i * places + k] = at.share * light_.area[i] * light_.E_t[i][c_];
+            }
         });
-        const PointSum sum(positions, flux, light_.nodes, table);
-        std::vector<float> sums(result.size()), evaluations(result.size());
-        sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
+        std::vector<OctreeNode> nodes(light_.nodes.begin(), light_.nodes.end());
+        for (OctreeNode& node : nodes)
+            node.first *= std::uint32_t(places), node.count *= std::uint32_t(places);
+        const PointSum point_sum(positions, flux, nodes, tabulate_far(kernel));
+        std::vector<float> sums(clusters_.count()), evaluations(sums.size());
+        point_sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
+        std::vector<double> result(sums.size());
         parallel_for(result.size(), 64, [&](std::size_t i) {
-            result[i] += factor * (double(sums[i]) + own_cell(i, kernel, flux, source));
+            result[i] = factor * (double(sums[i]) + own_cell(i, kernel, places, source));
         });
+        return result;
     }
 
-    // What the cell of the cluster's own sample sends to it beyond what it does as a point.
+    // What the cell of the cluster's own sample sends to it beyond what it does as points.
     template <class SourceOf>
-    double own_cell(std::size_t cluster, const Kernel& kernel, std::span<const float> flux,
+    double own_cell(std::size_t cluster, const Kernel& kernel, std::size_t places,
                     const SourceOf& source) const {
         if (own_sample_[cluster] < 0) return 0;
         const auto i = std::size_t(own_sample_[cluster]);
-        const Vec3 d = source(i).offset;
         const Cell cell(light_.normal[i], light_.area[i]);
-        double mean = 0;
-        for (int k = 0; k < kCellPoints; ++k) {
-            const Vec3 to = d + cell.point(k);
-            mean += kernel(double(glm::dot(to, to))) / kCellPoints;
+        double sum = 0;
+        for (std::size_t p = 0; p < places; ++p) {
+            const Source at = source(i, p);
+            double mean = 0;
+            for (int k = 0; k < kCellPoints; ++k)
+                mean += kernel(double(length2(at.offset + cell.point(k)))) / kCellPoints;
+            sum += double(at.share) * (mean - kernel(double(length2(at.offset))));
         }
-        return double(flux[i]) * (mean - kernel(double(glm::dot(d, d))));
+        return double(light_.area[i] * light_.E_t[i][c_]) * sum;
     }
 
     // Of the distance from a source in an infinite medium, mean free paths; well below the first
@@ -213,18 +216,20 @@ float BodyDiffusion::deepest_source(const Medium& medium) {
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
                              std::size_t clusters)
-    : medium_(medium), images_(images), clusters_(cluster_surface(samples, clusters)) {
-    parallel_for(3, 1, [&](std::size_t c) {
-        channels_[c] = channel_diffusion(medium, int(c));
-        operators_[c].emplace(samples, clusters_, channels_[c]);
-    });
+    : medium_(medium), images_(images) {
+    double area = 0;
+    for (const float a : samples.area) area += double(a);
+    tree_ = build_patch_tree(samples, largest_cluster_area(area, clusters));
+    clusters_ = cut_clusters(samples, tree_, largest_cluster_area(area, clusters));
+    for (int c = 0; c < 3; ++c) channels_[std::size_t(c)] = channel_diffusion(medium, c);
+    operator_.emplace(samples, tree_, clusters_, channels_);
 }
 
 BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
     const std::size_t n = clusters_.count();
     Solution result{std::vector<Rgb>(n), std::vector<Rgb>(n)};
     if (light.position.empty()) return result;
-    const auto own = own_samples(clusters_, light, clusters_.order.size());
+    const auto own = own_samples(clusters_, light, tree_.order.size());
     std::array<BoundaryOperator::Solution, 3> solutions;
     parallel_for(3, 1, [&](std::size_t c) {
         const ChannelDiffusion& channel = channels_[c];
@@ -234,7 +239,7 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         const auto Hs = sums.in_half_space(double(images_[int(c)]));
         std::vector<double> guess(n);
         for (std::size_t i = 0; i < n; ++i) guess[i] = 2 * channel.A * Hs[i];
-        solutions[c] = operators_[c]->solve(S, guess, kSolveTolerance);
+        solutions[c] = operator_->solve(int(c), S, guess, kSolveTolerance);
         for (std::size_t i = 0; i < n; ++i) {
             result.B[i][int(c)] = float(std::max(0.0, solutions[c].phi[i] / (2 * channel.A)));
             result.Hs[i][int(c)] = float(Hs[i]);

@@ -64,9 +64,10 @@ public:
 private:
     Medium medium_;
     Rgb images_;
+    PatchTree tree_;
     SurfaceClusters clusters_;
     std::array<ChannelDiffusion, 3> channels_;
-    std::array<std::optional<BoundaryOperator>, 3> operators_;
+    std::optional<BoundaryOperator> operator_;
 };
 
 }  // namespace tallow

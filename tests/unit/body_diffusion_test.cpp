@@ -194,14 +194,16 @@ TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
 
 TEST(SurfaceClusters, PartitionTheSamplesAndDoNotReachThroughThinSheets) {
     const LitSurface plate = lit_plate(0.5, 0.5);
-    const SurfaceClusters clusters = cluster_surface(plate.surface(), 500);
+    const double largest = largest_cluster_area(2 * 60 * 60 + 4 * 60 * 0.5, 500);
+    const PatchTree tree = build_patch_tree(plate.surface(), largest);
+    const SurfaceClusters clusters = cut_clusters(plate.surface(), tree, largest);
     EXPECT_GE(clusters.count(), 500u);
     EXPECT_LE(clusters.count(), 1024u);
     std::vector<int> seen(plate.position.size());
     double area = 0;
     for (std::size_t i = 0; i < clusters.count(); ++i) {
         area += double(clusters.area[i]);
-        for (const auto s : clusters.samples(i)) {
+        for (const auto s : tree.samples(tree.patches[clusters.patch[i]])) {
             ++seen[s];
             EXPECT_GT(glm::dot(plate.normal[s], clusters.normal[i]), 0.5f);
         }
