@@ -64,9 +64,9 @@ ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const Beam> b
                                   ExitanceAccuracy accuracy) const {
     std::optional<ClusterRatio> ratio;
     if (diffusion_) {
-        auto solved = diffusion_->solve(
+        const auto solved = diffusion_->solve(
             {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, beams, lit.index, lit.nodes});
-        ratio.emplace(diffusion_->clusters(), std::move(solved.B), std::move(solved.Hs), strength_);
+        ratio.emplace(diffusion_->ratio(solved, strength_));
     }
     // Where paths end the control variate's irradiance is not known, and its edges do not matter.
     if (use_ == ExitanceUse::paths)

@@ -137,12 +137,12 @@ TEST(BodyDiffusion, SphereMatchesItsClosedForm) {
         const Constants k = constants(medium(sigma_a));
         const double even = sphere_exitance(k, 0), odd = sphere_exitance(k, 1);
         double square = 0;
-        for (std::size_t i = 0; i < solution.B.size(); ++i) {
+        for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
             const double z = double(diffusion.clusters().position[i].z) / kRadius;
-            const double error = double(solution.B[i][0]) - (even + odd * z);
+            const double error = double(solution.fine.B[i][0]) - (even + odd * z);
             square += error * error;
         }
-        const double rms = std::sqrt(square / double(solution.B.size())) / even;
+        const double rms = std::sqrt(square / double(solution.fine.B.size())) / even;
         EXPECT_LT(rms, 0.01) << "sigma_a " << sigma_a;
     }
 }
@@ -170,11 +170,11 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
                 back += k.alpha_prime * w * u(z) * u(0) / (k.D * W * 2 * k.A);
             }
             double sum[2] = {}, count[2] = {};
-            for (std::size_t i = 0; i < solution.B.size(); ++i) {
+            for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
                 const Vec3 x = diffusion.clusters().position[i];
                 if (std::abs(x.x) > 5 || std::abs(x.y) > 5) continue;
                 const int side = x.z < -0.5 * thickness;
-                sum[side] += double(solution.B[i][0]), count[side] += 1;
+                sum[side] += double(solution.fine.B[i][0]), count[side] += 1;
             }
             EXPECT_NEAR(sum[0] / count[0], front, 0.02 * front) << thickness << " " << sigma_a;
             EXPECT_NEAR(sum[1] / count[1], back, 0.02 * back) << thickness << " " << sigma_a;
@@ -185,10 +185,10 @@ TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     const LitSurface block = lit_plate(20, 0.6);
     const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), 1000);
     const auto solution = diffusion.solve(block.light());
-    for (std::size_t i = 0; i < solution.B.size(); ++i) {
+    for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
         const Vec3 x = diffusion.clusters().position[i];
         if (std::abs(x.x) > 15 || std::abs(x.y) > 15 || x.z < -1) continue;
-        EXPECT_NEAR(solution.B[i][0] / solution.Hs[i][0], 1, 0.02);
+        EXPECT_NEAR(solution.fine.B[i][0] / solution.fine.Hs[i][0], 1, 0.02);
     }
 }
 
