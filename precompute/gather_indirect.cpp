@@ -44,7 +44,7 @@ GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView
             follow_beams(rays, body.object, lit, subsurface(scene, body.object)->medium.eta,
                          exitance.beam_length());
         fields.push_back(std::make_unique<ExitanceField>(
-            exitance.field(lit, beams, ExitanceAccuracy{tolerance})));
+            exitance.field(lit, exitance.solve(lit, beams), ExitanceAccuracy{tolerance})));
     }
     return fields;
 }

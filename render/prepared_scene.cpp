@@ -106,7 +106,8 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples&
                                    : BodyExitance(view, scene_, orders, ExitanceUse::seen);
     const auto beams =
         follow_beams(rays_, view.object, samples, material.medium.eta, exitance_of.beam_length());
-    ExitanceField exitance = exitance_of.field(samples, beams, accuracy_);
+    ExitanceField exitance =
+        exitance_of.field(samples, exitance_of.solve(samples, beams), accuracy_);
     PreparedBody body{&material,
                       surface_factors(material),
                       source,

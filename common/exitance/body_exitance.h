@@ -20,17 +20,26 @@ enum class ExitanceUse { seen, paths };
 class BodyExitance {
 public:
     /// `body` must outlive this and its fields. A plane has no diffusion of its own: it is the
-    /// half-space that the profile stands for.
-    BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use);
+    /// half-space that the profile stands for. `clusters` is 0 for as many as the body needs.
+    BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
+                 std::size_t clusters = 0);
 
     /// Clusters on which diffusion is solved; 0 if it is not.
     std::size_t clusters() const { return diffusion_ ? diffusion_->clusters().count() : 0; }
+    std::size_t memory_bytes() const { return diffusion_ ? diffusion_->memory_bytes() : 0; }
 
-    /// How far beams of light are to be followed for field(), mm; 0 if they are not asked for.
+    /// How far beams of light are to be followed for solve(), mm; 0 if they are not asked for.
     float beam_length() const { return beam_length_; }
 
-    /// The exitance under some light, which goes the ways of beams[sample] before it scatters.
-    ExitanceField field(const LitSamples& lit, std::span<const Beam> beams,
+    /// Diffusion of some light, which goes the ways of beams[sample] before it scatters. Solutions
+    /// of several lights may be added. Empty if there are no clusters.
+    BodyDiffusion::Solution solve(const LitSamples& lit, std::span<const Beam> beams) const;
+
+    /// BodyDiffusion::estimate_error(); 0 if there are no clusters.
+    double estimate_error(const BodyDiffusion::Solution& solution) const;
+
+    /// The exitance under some light, of which `solution` is the diffusion.
+    ExitanceField field(const LitSamples& lit, const BodyDiffusion::Solution& solution,
                         ExitanceAccuracy accuracy) const;
 
 private:
