@@ -75,7 +75,8 @@ double BodyExitance::estimate_error(const BodyDiffusion::Solution& solution) con
 ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::Solution& solution,
                                   ExitanceAccuracy accuracy) const {
     std::optional<ClusterRatio> ratio;
-    if (diffusion_) ratio.emplace(diffusion_->ratio(solution, strength_));
+    if (diffusion_ && !solution.fine.B.empty())
+        ratio.emplace(diffusion_->ratio(solution, strength_));
     // Where paths end the control variate's irradiance is not known, and its edges do not matter.
     if (use_ == ExitanceUse::paths)
         return {{}, lit, ExitanceKernels{kernels_->profiles}, accuracy, shifts_, std::move(ratio)};

@@ -38,7 +38,8 @@ public:
     /// BodyDiffusion::estimate_error(); 0 if there are no clusters.
     double estimate_error(const BodyDiffusion::Solution& solution) const;
 
-    /// The exitance under some light, of which `solution` is the diffusion.
+    /// The exitance under some light, of which `solution` is the diffusion; that of the half-space
+    /// if it is empty.
     ExitanceField field(const LitSamples& lit, const BodyDiffusion::Solution& solution,
                         ExitanceAccuracy accuracy) const;
 

@@ -54,7 +54,7 @@ struct Row {
     double build_seconds, solve_seconds;
     double megabytes, estimate;
     int iterations;
-    std::vector<Rgb> M;  // [point]
+    std::vector<Rgb> M, half_space;  // [point]
 };
 
 class Seconds {
@@ -85,8 +85,10 @@ Row solve(const BodyExitance& exitance, const LitSamples& lit, std::span<const B
             double(exitance.memory_bytes()) * 1e-6,
             exitance.estimate_error(solution),
             solution.iterations,
+            {},
             {}};
     row.M = exitance.field(lit, solution, ExitanceAccuracy{0.002f}).gather(points).M;
+    row.half_space = exitance.field(lit, {}, ExitanceAccuracy{0.002f}).gather(points).M;
     return row;
 }
 
@@ -107,7 +109,8 @@ void measure(const Arguments& a, ToolRun& run) {
     const MappedCache cache(a.cache);
     require_fingerprint(a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
     const RayScene rays(geometry.surfaces);
-    fmt::print("object,clusters,build_s,solve_s,megabytes,iterations,estimate,relRMSE\n");
+    fmt::print(
+        "object,clusters,build_s,solve_s,megabytes,iterations,estimate,relRMSE,half_space\n");
     for (const BodyView& body : cache.view().bodies) {
         const LitSamples lit = light_samples(body, scene.groups);
         const auto points = points_of(body);
@@ -123,9 +126,10 @@ void measure(const Arguments& a, ToolRun& run) {
             rows.push_back(solve(exitance, lit, beams, points, build_seconds));
         }
         for (const Row& row : rows)
-            fmt::print("{},{},{:.3f},{:.3f},{:.2f},{},{:.5f},{:.5f}\n", body.object, row.clusters,
-                       row.build_seconds, row.solve_seconds, row.megabytes, row.iterations,
-                       row.estimate, error(row.M, rows.back().M));
+            fmt::print("{},{},{:.3f},{:.3f},{:.2f},{},{:.5f},{:.5f},{:.5f}\n", body.object,
+                       row.clusters, row.build_seconds, row.solve_seconds, row.megabytes,
+                       row.iterations, row.estimate, error(row.M, rows.back().M),
+                       error(row.half_space, rows.back().M));
     }
 }
 
