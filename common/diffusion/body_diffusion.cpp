@@ -227,6 +227,17 @@ bool all_finite(const std::vector<double>& values) {
     return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
+// From few clusters on, twice as many until the wish is met.
+double choose_largest_area(const SampledSurface& samples, const PatchTree& tree,
+                           const ClusterWish& wish) {
+    for (std::size_t count = wish.least; count < wish.most; count *= 2) {
+        const double largest = largest_cluster_area(tree.area, count);
+        if (normal_variance(tree, cut_clusters(samples, tree, largest)) <= wish.variance)
+            return largest;
+    }
+    return largest_cluster_area(tree.area, wish.most);
+}
+
 // How much coarser the clusters are that the solution is compared with.
 constexpr std::size_t kCoarser = 4;
 
@@ -237,11 +248,12 @@ float BodyDiffusion::deepest_source(const Medium& medium) {
 }
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
-                             std::size_t clusters, std::array<bool, 3> solved)
+                             const ClusterWish& wish, std::array<bool, 3> solved)
     : medium_(medium), images_(images), solved_(solved), samples_(samples.size()) {
     for (int c = 0; c < 3; ++c) channels_[std::size_t(c)] = channel_diffusion(medium, c);
-    const double largest = largest_cluster_area(total(samples.area), clusters);
-    const PatchTree tree = build_patch_tree(samples, largest);
+    const PatchTree tree =
+        build_patch_tree(samples, largest_cluster_area(total(samples.area), wish.most));
+    const double largest = choose_largest_area(samples, tree, wish);
     fine_.clusters = cut_clusters(samples, tree, largest);
     coarse_.clusters = cut_clusters(samples, tree, kCoarser * largest);
     for (Level* level : {&fine_, &coarse_})

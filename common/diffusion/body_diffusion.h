@@ -34,6 +34,13 @@ struct EnteringLight {
     std::span<const OctreeNode> nodes;
 };
 
+/// How many clusters a body gets: the fewest, but at least `least`, on which normals have a
+/// variance of at most `variance`; at most about `most` anyway. See normal_variance().
+struct ClusterWish {
+    std::size_t least, most;
+    double variance = 0;
+};
+
 /// Diffusion in the body itself, beside that in the half-space that profiles stand for.
 ///
 /// Light that entered scatters first along its refracted beam: sources at a few depths there. Their
@@ -48,7 +55,7 @@ public:
     /// rest of it has the boundary condition of the body. Channels that are not `solved` get no
     /// fields, so that their ratio is 1.
     BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
-                  std::size_t clusters, std::array<bool, 3> solved = {true, true, true});
+                  const ClusterWish& wish, std::array<bool, 3> solved = {true, true, true});
 
     /// Depth along a beam beyond which no source lies, mm.
     static float deepest_source(const Medium& medium);

@@ -39,6 +39,17 @@ double largest_cluster_area(double area, std::size_t count) {
     return area / (kMeanOfHalving * double(count));
 }
 
+double normal_variance(const PatchTree& tree, const SurfaceClusters& clusters) {
+    double sum = 0, area = 0;
+    for (const std::uint32_t i : clusters.patch) {
+        const SurfacePatch& patch = tree.patches[i];
+        const double a = double(patch.area);
+        sum += a * std::max(0.0, 1 - double(length2(patch.vector_area)) / (a * a));
+        area += a;
+    }
+    return area > 0 ? sum / area : 0;
+}
+
 SurfaceClusters cut_clusters(const SampledSurface& samples, const PatchTree& tree,
                              double largest_area) {
     SurfaceClusters clusters;

@@ -24,6 +24,10 @@ struct SurfaceClusters {
 /// Area at which halving stops so that about `count` patches are left, mm^2.
 double largest_cluster_area(double area, std::size_t count);
 
+/// Mean variance of the normals on the clusters, by area: how much of the surface's shape they do
+/// not resolve. On a sphere of radius R a disc of radius r has r^2 / (2 R^2).
+double normal_variance(const PatchTree& tree, const SurfaceClusters& clusters);
+
 /// The largest patches of the tree without edges of at most `largest_area` [mm^2], in the order of
 /// their samples; more than the area would need where the surface has edges, at most one a sample.
 /// `largest_area` is at least that of the tree.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string>
 
 #include "common/diffusion/body_diffusion.h"
 #include "common/exitance/exitance_field.h"
@@ -13,6 +15,29 @@ namespace tallow {
 /// paths of indirect light end.
 enum class ExitanceUse { seen, paths };
 
+/// How well diffusion in a body is to be resolved: as the tolerance asks for, or, if it is not 0,
+/// on about `clusters` clusters.
+struct DiffusionWish {
+    double tolerance = 0.01;
+    std::size_t clusters = 0;
+};
+
+/// What became of a solve.
+struct DiffusionReport {
+    std::size_t clusters = 0;  ///< 0: nothing was solved
+    std::array<bool, 3> solved{};
+    int iterations = 0;
+    bool converged = true;
+    double error = 0;  ///< estimated relRMSE of the exitance; see BodyDiffusion::estimate_error()
+};
+
+/// What people are to know of it, without an end of line: that GMRES did not converge, or that the
+/// error is more than kMostOfTolerance times the tolerance. Empty if all is well.
+std::string diffusion_warning(const DiffusionReport& report, double tolerance);
+
+/// Clusters are chosen for a given cost; where they miss the tolerance by less nobody is told.
+inline constexpr double kMostOfTolerance = 2;
+
 /// What the exitance of one body is made of beside its light: kernels for its medium and spacing,
 /// and, for a body-aware material, diffusion in the body. Made once; the light may change after.
 ///
@@ -20,9 +45,10 @@ enum class ExitanceUse { seen, paths };
 class BodyExitance {
 public:
     /// `body` must outlive this and its fields. A plane has no diffusion of its own: it is the
-    /// half-space that the profile stands for. `clusters` is 0 for as many as the body needs.
+    /// half-space that the profile stands for. Channels are solved whose mean free path the samples
+    /// resolve.
     BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
-                 std::size_t clusters = 0);
+                 DiffusionWish wish = {});
 
     /// Clusters on which diffusion is solved; 0 if it is not.
     std::size_t clusters() const { return diffusion_ ? diffusion_->clusters().count() : 0; }
@@ -35,8 +61,7 @@ public:
     /// of several lights may be added. Empty if there are no clusters.
     BodyDiffusion::Solution solve(const LitSamples& lit, std::span<const Beam> beams) const;
 
-    /// BodyDiffusion::estimate_error(); 0 if there are no clusters.
-    double estimate_error(const BodyDiffusion::Solution& solution) const;
+    DiffusionReport report(const BodyDiffusion::Solution& solution) const;
 
     /// The exitance under some light, of which `solution` is the diffusion; that of the half-space
     /// if it is empty.

@@ -41,7 +41,7 @@ std::vector<std::size_t> parse_list(const std::string& text) {
     std::vector<std::size_t> values;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
-        values.push_back(std::size_t(parse_number("--clusters", text.substr(begin, end - begin), 16,
+        values.push_back(std::size_t(parse_number("--clusters", text.substr(begin, end - begin), 0,
                                                   1e6, "numbers, separated by commas")));
         begin = end + 1;
     }
@@ -83,7 +83,7 @@ Row solve(const BodyExitance& exitance, const LitSamples& lit, std::span<const B
             build_seconds,
             seconds(),
             double(exitance.memory_bytes()) * 1e-6,
-            exitance.estimate_error(solution),
+            exitance.report(solution).error,
             solution.iterations,
             {},
             {}};
@@ -117,7 +117,8 @@ void measure(const Arguments& a, ToolRun& run) {
         std::vector<Row> rows;
         for (const std::size_t n : numbers) {
             const Seconds seconds;
-            const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths, n);
+            const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths,
+                                        DiffusionWish{0.01, n});
             const double build_seconds = seconds();
             if (exitance.clusters() == 0) break;
             const auto beams =

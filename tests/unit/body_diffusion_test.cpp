@@ -41,6 +41,8 @@ struct LitSurface {
     EnteringLight light() const { return {position, normal, w_i, E_t, area, beams, index, nodes}; }
 };
 
+constexpr ClusterWish k1000{1000, 1000};
+
 constexpr double kRadius = 10;
 
 // E = 1 + cos theta, theta from +z.
@@ -131,7 +133,7 @@ double sphere_exitance(const Constants& k, int l) {
 TEST(BodyDiffusion, SphereMatchesItsClosedForm) {
     const LitSurface sphere = lit_sphere(20000);
     for (const float sigma_a : {0.0003f, 0.01f, 0.3f}) {
-        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), Rgb(0), 1000);
+        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), Rgb(0), k1000);
         const auto solution = diffusion.solve(sphere.light());
         EXPECT_TRUE(solution.converged);
         const Constants k = constants(medium(sigma_a));
@@ -151,7 +153,7 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
     for (const double thickness : {1.5, 6.0})
         for (const float sigma_a : {0.05f}) {
             const LitSurface plate = lit_plate(thickness, 0.5);
-            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), Rgb(0), 1000);
+            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), Rgb(0), k1000);
             const auto solution = diffusion.solve(plate.light());
             const Constants k = constants(medium(sigma_a));
             const auto u = [&](double x) {
@@ -183,7 +185,7 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
 
 TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     const LitSurface block = lit_plate(20, 0.6);
-    const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), 1000);
+    const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), k1000);
     const auto solution = diffusion.solve(block.light());
     for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
         const Vec3 x = diffusion.clusters().position[i];
