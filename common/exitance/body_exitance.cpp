@@ -71,9 +71,9 @@ BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orde
         make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm));
     shifts_ = shifts_of(material);
     strength_ = strength_at(material.medium.mean_free_path() / body.spacing_mm);
-    if (!material.boundary_elements || !encloses_volume(scene.objects[body.object].shape) ||
-        max_channel(strength_) == 0)
-        return;
+    wants_diffusion_ =
+        material.boundary_elements && encloses_volume(scene.objects[body.object].shape);
+    if (!wants_diffusion_ || max_channel(strength_) == 0 || body.positions.empty()) return;
     std::array<bool, 3> solved;
     for (int c = 0; c < 3; ++c) solved[std::size_t(c)] = strength_[c] > 0;
     diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
@@ -91,9 +91,36 @@ BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit,
 }
 
 DiffusionReport BodyExitance::report(const BodyDiffusion::Solution& solution) const {
-    if (!diffusion_) return {};
-    return {clusters(), diffusion_->solved(), solution.iterations, solution.converged,
+    if (!diffusion_) return {wants_diffusion_};
+    return {true,
+            clusters(),
+            diffusion_->solved(),
+            solution.iterations,
+            solution.converged,
             diffusion_->estimate_error(solution, strength_)};
+}
+
+void add_worse(DiffusionReport& report, const DiffusionReport& b) {
+    if (b.error >= report.error) report.clusters = b.clusters, report.error = b.error;
+    report.wanted = report.wanted || b.wanted;
+    for (std::size_t c = 0; c < 3; ++c) report.solved[c] = report.solved[c] || b.solved[c];
+    report.iterations = std::max(report.iterations, b.iterations);
+    report.converged = report.converged && b.converged;
+}
+
+std::vector<Decision> diffusion_decisions(std::size_t object, const DiffusionReport& report) {
+    constexpr const char* kChannels[] = {"red", "green", "blue"};
+    std::vector<Decision> decisions;
+    if (!report.wanted) return decisions;
+    for (std::size_t c = 0; c < 3; ++c)
+        decisions.push_back(
+            {fmt::format("objects[{}]", object),
+             fmt::format("diffusion in the body, {}", kChannels[c]), report.solved[c],
+             report.solved[c] ? fmt::format("{} boundary elements", report.clusters) : "not solved",
+             report.solved[c] ? "samples resolve the mean free path"
+                              : "samples are farther apart than two mean free paths",
+             std::nullopt});
+    return decisions;
 }
 
 std::string diffusion_warning(const DiffusionReport& report, double tolerance) {

@@ -4,7 +4,9 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/base/plan.h"
 #include "common/diffusion/body_diffusion.h"
 #include "common/exitance/exitance_field.h"
 #include "common/scene/scene.h"
@@ -24,6 +26,7 @@ struct DiffusionWish {
 
 /// What became of a solve.
 struct DiffusionReport {
+    bool wanted = false;       ///< a finite body of a material with boundary elements
     std::size_t clusters = 0;  ///< 0: nothing was solved
     std::array<bool, 3> solved{};
     int iterations = 0;
@@ -31,9 +34,16 @@ struct DiffusionReport {
     double error = 0;  ///< estimated relRMSE of the exitance; see BodyDiffusion::estimate_error()
 };
 
+/// Takes over what is worse in `b`.
+void add_worse(DiffusionReport& report, const DiffusionReport& b);
+
 /// What people are to know of it, without an end of line: that GMRES did not converge, or that the
 /// error is more than kMostOfTolerance times the tolerance. Empty if all is well.
 std::string diffusion_warning(const DiffusionReport& report, double tolerance);
+
+/// Which channels of an object are solved on how many clusters, and which are not, and why; empty
+/// if no solve was wanted.
+std::vector<Decision> diffusion_decisions(std::size_t object, const DiffusionReport& report);
 
 /// Clusters are chosen for a given cost; where they miss the tolerance by less nobody is told.
 inline constexpr double kMostOfTolerance = 2;
@@ -74,6 +84,7 @@ private:
     std::optional<ExitanceKernels> kernels_;
     ExitanceShifts shifts_;
     Rgb strength_;  // of the body's diffusion
+    bool wants_diffusion_;
     std::optional<BodyDiffusion> diffusion_;
     float beam_length_ = 0;
 };
