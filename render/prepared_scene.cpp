@@ -37,7 +37,8 @@ RayScene build_rays(const SceneGeometry& geometry, Stats& stats) {
 
 bool is_same(const ExitanceSource& a, const ExitanceSource& b) {
     return a.model == b.model && a.orders == b.orders && a.shifts == b.shifts &&
-           a.boundary_elements == b.boundary_elements && a.medium.sigma_a == b.medium.sigma_a &&
+           a.boundary_elements == b.boundary_elements && a.tolerance == b.tolerance &&
+           a.medium.sigma_a == b.medium.sigma_a &&
            a.medium.sigma_s_prime == b.medium.sigma_s_prime && a.medium.g == b.medium.g &&
            a.medium.eta == b.medium.eta;
 }
@@ -93,13 +94,17 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, std::optional<Pre
                                          Stats& stats) const {
     const SubsurfaceMaterial& material = *subsurface(scene_, view.object);
     const Orders orders = orders_of_exitance(material);
-    const ExitanceSource source{material.model, material.medium, orders, material.shifts,
-                                material.boundary_elements};
+    const ExitanceSource source{material.model,
+                                material.medium,
+                                orders,
+                                material.shifts,
+                                material.boundary_elements,
+                                scene_.settings.tolerance};
     const bool same = before && is_same(before->source, source);
     PhaseTimer diffusion_timer(stats, material.boundary_elements ? "diffusion" : "octree");
     BodyExitance exitance_of = same ? std::move(before->exitance_of)
                                     : BodyExitance(view, scene_, orders, ExitanceUse::seen,
-                                                   DiffusionWish{double(accuracy_.tolerance)});
+                                                   DiffusionWish{double(source.tolerance)});
     const Rgb gain = indirect_bounces(scene_) > 0 ? indirect_gain(material) : Rgb(0);
     GroupDiffusion diffusion{gain, {}};
     if (same && before->diffusion.indirect_gain == gain) diffusion = std::move(before->diffusion);
@@ -178,7 +183,7 @@ std::vector<std::string> PreparedScene::warnings() const {
     for (std::size_t object = 0; object < bodies_.size(); ++object) {
         if (!bodies_[object]) continue;
         const std::string warning =
-            diffusion_warning(bodies_[object]->report, double(accuracy_.tolerance));
+            diffusion_warning(bodies_[object]->report, double(scene_.settings.tolerance));
         if (!warning.empty()) result.push_back(scene_.objects[object].where + ": " + warning);
     }
     return result;

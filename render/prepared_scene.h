@@ -22,6 +22,7 @@ struct ExitanceSource {
     Medium medium;
     Orders orders;
     bool shifts, boundary_elements;
+    float tolerance;  // of the scene's settings: the sums' accuracy must not change the solve
 };
 
 /// Diffusion in a body, of each light group at the scale 1, so that other scales need no solve.

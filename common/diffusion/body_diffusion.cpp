@@ -160,7 +160,9 @@ private:
         point_sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
         std::vector<double> result(sums.size());
         parallel_for(result.size(), 64, [&](std::size_t i) {
-            result[i] = factor * (double(sums[i]) + own_cell(i, kernel, places, source));
+            // Where samples are far apart, what is taken off for the own cell is rounding at best.
+            result[i] =
+                factor * std::max(0.0, double(sums[i]) + own_cell(i, kernel, places, source));
         });
         return result;
     }

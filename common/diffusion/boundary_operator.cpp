@@ -178,12 +178,16 @@ BoundaryOperator::Solution BoundaryOperator::solve(int channel, const std::vecto
                                                    double tolerance) const {
     const auto n = Eigen::Index(clusters_.size());
     const ChannelMatrix matrix(*this, channel, n);
-    const Eigen::VectorXf b = Eigen::Map<const Eigen::VectorXd>(source.data(), n).cast<float>();
-    Eigen::VectorXf x = Eigen::Map<const Eigen::VectorXd>(guess.data(), n).cast<float>();
+    // Of the source's own size: squares of light in tiny units would underflow.
+    const Eigen::Map<const Eigen::VectorXd> S(source.data(), n), first(guess.data(), n);
+    const double size = n > 0 ? S.lpNorm<Eigen::Infinity>() : 0;
     Solution solution;
-    if (b.norm() == 0) return {std::vector<double>(std::size_t(n)), 0, true};
+    if (!(size > 0)) return {std::vector<double>(std::size_t(n)), 0, true};
+    const Eigen::VectorXf b = (S / size).cast<float>();
+    Eigen::VectorXf x = (first / size).cast<float>();
     Eigen::GMRES<ChannelMatrix, Eigen::IdentityPreconditioner> gmres(matrix);
     gmres.setMaxIterations(kMostIterations);
+    gmres.set_restart(kMostIterations);
     for (float residual = 1e-2f; residual > 1e-7f && !solution.converged; residual *= 0.1f) {
         gmres.setTolerance(residual);
         const Eigen::VectorXf next = gmres.solveWithGuess(b, x);
@@ -191,7 +195,8 @@ BoundaryOperator::Solution BoundaryOperator::solve(int channel, const std::vecto
         solution.converged = (next - x).norm() <= float(tolerance) * next.norm();
         x = next;
     }
-    solution.phi.assign(x.data(), x.data() + n);
+    solution.phi.resize(std::size_t(n));
+    Eigen::Map<Eigen::VectorXd>(solution.phi.data(), n) = size * x.cast<double>();
     return solution;
 }
 

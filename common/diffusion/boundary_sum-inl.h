@@ -28,7 +28,7 @@ using RowVector = hn::Vec<Rows>;
 
 // A patch acts as one on points farther away than its radius / kOpening. Measured:
 // docs/BODY_AWARE.md has phi's error against an operator of samples alone.
-constexpr float kOpening = 0.15f;
+constexpr float kOpening = 0.12f;
 
 // Of a patch whose light has decayed by e to this power no channel sees more than the solid angle.
 constexpr float kDarkExponent = 16;
@@ -118,10 +118,10 @@ private:
     void visit(std::uint32_t index, std::uint32_t cluster) {
         const SurfacePatch& patch = surface_.tree.patches[index];
         if (cluster == SurfacePatch::kNone) cluster = surface_.cluster_of[index];
-        const float least = least_distance2(packet_, patch.centroid);
-        if (patch.radius * patch.radius <= kOpening * kOpening * least) {
+        const float least = std::sqrt(least_distance2(packet_, patch.centroid));
+        if (patch.radius <= kOpening * least) {
             if (cluster == SurfacePatch::kNone)
-                add_far(index, patch, std::sqrt(least));
+                add_far(index, patch, least);
             else
                 add_patch(patch, cluster);
         } else if (patch.child != SurfacePatch::kNone) {

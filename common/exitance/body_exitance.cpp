@@ -131,7 +131,7 @@ std::string diffusion_warning(const DiffusionReport& report, double tolerance) {
     return fmt::format(
         "diffusion on {} boundary elements is off by about {:.2g} of the light, above the "
         "tolerance "
-        "of {}: a smaller tolerance takes more of them",
+        "of {}: a smaller settings.tolerance takes more of them",
         report.clusters, report.error, tolerance);
 }
 
