@@ -54,14 +54,6 @@ public:
     BodyDiffusion::Solution solve(const BodyDiffusion& diffusion, const Medium& medium) const {
         const auto beams =
             follow_beams(rays_, 0, lit_, medium.eta, BodyDiffusion::deepest_source(medium));
-        double lost = 0, tot = 0;
-        for (std::size_t i = 0; i < beams.size(); ++i) {
-            shorts += beams[i].length < 0.05f;
-            entering += glm::dot(beams[i].w, lit_.w_i[i]) < -2;
-            tot += lit_.area[i];
-            lost += lit_.area[i] * std::exp(-beams[i].length) * (1 - beams[i].reflected);
-        }
-        std::printf("## beams %zu short %d lost share %g\n", beams.size(), shorts, lost / tot);
         return diffusion.solve({lit_.position, lit_.normal, lit_.w_i, lit_.E_t, lit_.area, beams,
                                 lit_.index, lit_.nodes});
     }
