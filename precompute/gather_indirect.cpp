@@ -30,7 +30,7 @@ constexpr std::size_t kBlock = 64;  // samples of a task
 using GroupFields = std::vector<std::unique_ptr<ExitanceField>>;
 
 GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView& body,
-                        const BodyExitance& exitance, float tolerance) {
+                        const BodyExitance& exitance, float tolerance, DiffusionReport& worst) {
     GroupFields fields;
     for (std::size_t g = 0; g < scene.groups.size(); ++g) {
         std::vector<LightGroup> only(scene.groups.size(), {"", Rgb(0)});
@@ -43,8 +43,10 @@ GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView
         const auto beams =
             follow_beams(rays, body.object, lit, subsurface(scene, body.object)->medium.eta,
                          exitance.beam_length());
+        const BodyDiffusion::Solution solution = exitance.solve(lit, beams);
+        add_worse(worst, exitance.report(solution));
         fields.push_back(std::make_unique<ExitanceField>(
-            exitance.field(lit, beams, ExitanceAccuracy{tolerance})));
+            exitance.field(lit, solution, ExitanceAccuracy{tolerance})));
     }
     return fields;
 }
@@ -220,16 +222,20 @@ private:
 
 }  // namespace
 
-void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<SampledBody>& bodies,
-                     const IndirectOptions& options, Checkpoint& checkpoint, Progress& progress) {
+std::vector<DiffusionReport> gather_indirect(const Scene& scene, const RayScene& rays,
+                                             std::vector<SampledBody>& bodies,
+                                             const IndirectOptions& options, Checkpoint& checkpoint,
+                                             Progress& progress) {
     std::vector<BodyView> views;         // [body] without indirect light
     std::vector<BodyExitance> exitance;  // [body]
     std::vector<Contributions> light;    // [body]
     views.reserve(bodies.size());
+    std::vector<DiffusionReport> worst(bodies.size());
     std::size_t samples = 0;
     for (SampledBody& body : bodies) {
         views.push_back(body.view());
-        exitance.emplace_back(views.back(), scene, Orders::all, ExitanceUse::paths);
+        exitance.emplace_back(views.back(), scene, Orders::all, ExitanceUse::paths,
+                              DiffusionWish{double(options.tolerance)});
         const std::size_t count = body.samples.size();
         light.push_back({dark(scene.groups.size(), count), {}});
         samples += count;
@@ -240,8 +246,8 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
     for (int round = 0; round < options.bounces; ++round) {
         std::vector<GroupFields> fields(scene.objects.size());
         for (std::size_t b = 0; b < bodies.size(); ++b)
-            fields[bodies[b].object] =
-                make_fields(scene, rays, bodies[b].view(), exitance[b], options.tolerance);
+            fields[bodies[b].object] = make_fields(scene, rays, bodies[b].view(), exitance[b],
+                                                   options.tolerance, worst[b]);
         for (SampledBody& body : bodies) body.indirect = {};  // the fields have it
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             light[b].by_bodies = dark(scene.groups.size(), bodies[b].samples.size());
@@ -264,6 +270,7 @@ void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<Sampl
         }
     }
     progress.end();
+    return worst;
 }
 
 }  // namespace tallow

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/base/progress.h"
+#include "common/exitance/body_exitance.h"
 #include "common/geometry/ray_scene.h"
 #include "common/scene/scene.h"
 #include "precompute/checkpoint.h"
@@ -35,7 +36,11 @@ struct IndirectOptions {
 /// Units    W/mm^2 per channel and light group; the groups' scales are not applied.
 /// Source   [JB02] section 3 leaves the irradiance to any global illumination method.
 /// What `checkpoint` has is not gathered again.
-void gather_indirect(const Scene& scene, const RayScene& rays, std::vector<SampledBody>& bodies,
-                     const IndirectOptions& options, Checkpoint& checkpoint, Progress& progress);
+///
+/// Returns [body] the worst of what became of its solves for diffusion.
+std::vector<DiffusionReport> gather_indirect(const Scene& scene, const RayScene& rays,
+                                             std::vector<SampledBody>& bodies,
+                                             const IndirectOptions& options, Checkpoint& checkpoint,
+                                             Progress& progress);
 
 }  // namespace tallow

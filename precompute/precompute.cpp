@@ -165,6 +165,19 @@ std::filesystem::path checkpoint_file(std::filesystem::path cache_file) {
     return cache_file += ".part";
 }
 
+void report_diffusion(const Scene& scene, std::uint32_t object, const DiffusionReport& report,
+                      Progress& progress, Stats& stats) {
+    for (const Decision& decision : diffusion_decisions(object, report))
+        stats.plan.decisions.push_back(decision);
+    if (report.clusters == 0) return;
+    stats.errors[fmt::format("objects[{}].diffusion", object)] = report.error;
+    stats.errors[fmt::format("objects[{}].diffusion_converged", object)] =
+        std::int64_t(report.converged);
+    add_count(stats, "clusters", std::int64_t(report.clusters));
+    const std::string warning = diffusion_warning(report, double(scene.settings.tolerance));
+    if (!warning.empty()) progress.note(scene.objects[object].where + ": " + warning);
+}
+
 void count(const CacheView& cache, Stats& stats) {
     std::int64_t samples = 0, nodes = 0;
     for (const BodyView& body : cache.bodies) {
@@ -211,10 +224,13 @@ void precompute(const Scene& scene, const PrecomputeOptions& options,
             sampler.gather_direct(bodies[b], b, earlier, checkpoint);
         if (const int bounces = indirect_bounces(scene); bounces > 0 && !scene.lights.empty()) {
             const PhaseTimer timer(stats, "indirect");
-            gather_indirect(scene, rays, bodies,
-                            {bounces, indirect_rays(scene.settings),
-                             std::max(scene.settings.tolerance, 1e-3f), planned.diffuse},
-                            checkpoint, progress);
+            const auto reports =
+                gather_indirect(scene, rays, bodies,
+                                {bounces, indirect_rays(scene.settings),
+                                 std::max(scene.settings.tolerance, 1e-3f), planned.diffuse},
+                                checkpoint, progress);
+            for (std::size_t b = 0; b < bodies.size(); ++b)
+                report_diffusion(scene, bodies[b].object, reports[b], progress, stats);
         }
     } catch (const Interrupted&) {
         checkpoint.write_pending();

@@ -158,6 +158,7 @@ void render(const Arguments& a, ToolRun& run) {
     const PreparedScene world(input.planned.scene, input.geometry, cached, input.accuracy,
                               input.planned.diffuse, run.stats);
 
+    for (const std::string& warning : world.warnings()) run.progress.note(warning);
     // Before the first frame takes its time.
     for (const Camera& view : input.views)
         require_camera_outside(world.scene(), world.rays(), view);

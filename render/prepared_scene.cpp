@@ -2,6 +2,8 @@
 // Scene, geometry and cache -> all that does not depend on the camera.
 #include "render/prepared_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "common/base/check.h"
@@ -35,7 +37,8 @@ RayScene build_rays(const SceneGeometry& geometry, Stats& stats) {
 
 bool is_same(const ExitanceSource& a, const ExitanceSource& b) {
     return a.model == b.model && a.orders == b.orders && a.shifts == b.shifts &&
-           a.boundary_elements == b.boundary_elements && a.medium.sigma_a == b.medium.sigma_a &&
+           a.boundary_elements == b.boundary_elements && a.tolerance == b.tolerance &&
+           a.medium.sigma_a == b.medium.sigma_a &&
            a.medium.sigma_s_prime == b.medium.sigma_s_prime && a.medium.g == b.medium.g &&
            a.medium.eta == b.medium.eta;
 }
@@ -73,44 +76,52 @@ void PreparedScene::prepare(Scene scene, const std::vector<std::optional<Rgb>>& 
 }
 
 void PreparedScene::prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats) {
-    const PhaseTimer timer(stats, "octree");
-    std::int64_t samples = 0, lit = 0, clusters = 0;
+    stats.counts["samples"] = stats.counts["lit_samples"] = std::int64_t(0);
     for (const BodyView& view : cache_.bodies) {
         std::optional<PreparedBody>& body = bodies_[view.object];
         if (!diffuse.empty() && diffuse[view.object]) {  // made for another tolerance or camera
             body.reset();
             continue;
         }
-        const Rgb gain =
-            indirect_bounces(scene_) > 0 ? indirect_gain(*subsurface(scene_, view.object)) : Rgb(0);
-        const LitSamples lit_samples = light_samples(view, scene_.groups, gain);
-        samples += std::int64_t(view.positions.size());
-        lit += std::int64_t(lit_samples.position.size());
-        PreparedBody prepared = prepare_body(view, lit_samples, body);
-        clusters += std::int64_t(prepared.exitance_of.clusters());
+        PreparedBody prepared = prepare_body(view, body, stats);
         body.emplace(std::move(prepared));
+        add_count(stats, "samples", std::int64_t(view.positions.size()));
     }
-    stats.counts["samples"] = samples;
-    stats.counts["lit_samples"] = lit;
-    if (clusters > 0) stats.counts["clusters"] = clusters;
+    report_diffusion(stats);
 }
 
-PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples& samples,
-                                         std::optional<PreparedBody>& before) const {
+PreparedBody PreparedScene::prepare_body(const BodyView& view, std::optional<PreparedBody>& before,
+                                         Stats& stats) const {
     const SubsurfaceMaterial& material = *subsurface(scene_, view.object);
     const Orders orders = orders_of_exitance(material);
-    const ExitanceSource source{material.model, material.medium, orders, material.shifts,
-                                material.boundary_elements};
-    BodyExitance exitance_of = before && is_same(before->source, source)
-                                   ? std::move(before->exitance_of)
-                                   : BodyExitance(view, scene_, orders, ExitanceUse::seen);
-    const auto beams =
-        follow_beams(rays_, view.object, samples, material.medium.eta, exitance_of.beam_length());
-    ExitanceField exitance = exitance_of.field(samples, beams, accuracy_);
+    const ExitanceSource source{material.model,
+                                material.medium,
+                                orders,
+                                material.shifts,
+                                material.boundary_elements,
+                                scene_.settings.tolerance};
+    const bool same = before && is_same(before->source, source);
+    PhaseTimer diffusion_timer(stats, material.boundary_elements ? "diffusion" : "octree");
+    BodyExitance exitance_of = same ? std::move(before->exitance_of)
+                                    : BodyExitance(view, scene_, orders, ExitanceUse::seen,
+                                                   DiffusionWish{double(source.tolerance)});
+    const Rgb gain = indirect_bounces(scene_) > 0 ? indirect_gain(material) : Rgb(0);
+    GroupDiffusion diffusion{gain, {}};
+    if (same && before->diffusion.indirect_gain == gain) diffusion = std::move(before->diffusion);
+    const BodyDiffusion::Solution solution = solve(view, exitance_of, diffusion);
+    const DiffusionReport report = exitance_of.report(solution);
+    diffusion_timer.stop();
+
+    const PhaseTimer timer(stats, "octree");
+    const LitSamples samples = light_samples(view, scene_.groups, gain);
+    add_count(stats, "lit_samples", std::int64_t(samples.position.size()));
+    ExitanceField exitance = exitance_of.field(samples, solution, accuracy_);
     PreparedBody body{&material,
                       surface_factors(material),
                       source,
                       std::move(exitance_of),
+                      std::move(diffusion),
+                      report,
                       std::move(exitance),
                       march_steps_of_pixel(material, scene_.settings, accuracy_.tolerance),
                       std::nullopt};
@@ -120,6 +131,62 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples&
     else
         body.connections.emplace(geometry_.surfaces[view.object], material.medium.eta);
     return body;
+}
+
+BodyDiffusion::Solution PreparedScene::solve(const BodyView& view, const BodyExitance& exitance_of,
+                                             GroupDiffusion& diffusion) const {
+    BodyDiffusion::Solution sum;
+    if (exitance_of.clusters() == 0) return sum;
+    const std::vector<LightGroup>& groups = scene_.groups;
+    diffusion.of_group.resize(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (max_channel(groups[g].scale) == 0) continue;
+        std::optional<BodyDiffusion::Solution>& of_group = diffusion.of_group[g];
+        if (!of_group) {
+            std::vector<LightGroup> only(groups.size(), {"", Rgb(0)});
+            only[g].scale = Rgb(1);
+            const LitSamples lit = light_samples(view, only, diffusion.indirect_gain);
+            const float eta = subsurface(scene_, view.object)->medium.eta;
+            of_group = exitance_of.solve(
+                lit, follow_beams(rays_, view.object, lit, eta, exitance_of.beam_length()));
+        }
+        sum.add(groups[g].scale, *of_group);
+    }
+    return sum;
+}
+
+void PreparedScene::report_diffusion(Stats& stats) const {
+    std::int64_t clusters = 0, iterations = 0;
+    for (std::size_t object = 0; object < bodies_.size(); ++object) {
+        if (!bodies_[object]) continue;
+        const DiffusionReport& report = bodies_[object]->report;
+        for (const Decision& decision : diffusion_decisions(object, report)) {
+            std::erase_if(stats.plan.decisions, [&](const Decision& d) {
+                return d.subject == decision.subject && d.term == decision.term;
+            });
+            stats.plan.decisions.push_back(decision);
+        }
+        if (report.clusters == 0) continue;
+        clusters += std::int64_t(report.clusters);
+        iterations = std::max(iterations, std::int64_t(report.iterations));
+        stats.errors[fmt::format("objects[{}].diffusion", object)] = report.error;
+        stats.errors[fmt::format("objects[{}].diffusion_converged", object)] =
+            std::int64_t(report.converged);
+    }
+    if (clusters == 0) return;
+    stats.counts["clusters"] = clusters;
+    stats.counts["diffusion_iterations"] = iterations;
+}
+
+std::vector<std::string> PreparedScene::warnings() const {
+    std::vector<std::string> result;
+    for (std::size_t object = 0; object < bodies_.size(); ++object) {
+        if (!bodies_[object]) continue;
+        const std::string warning =
+            diffusion_warning(bodies_[object]->report, double(scene_.settings.tolerance));
+        if (!warning.empty()) result.push_back(scene_.objects[object].where + ": " + warning);
+    }
+    return result;
 }
 
 }  // namespace tallow

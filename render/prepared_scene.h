@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/base/stats.h"
@@ -21,6 +22,13 @@ struct ExitanceSource {
     Medium medium;
     Orders orders;
     bool shifts, boundary_elements;
+    float tolerance;  // of the scene's settings: the sums' accuracy must not change the solve
+};
+
+/// Diffusion in a body, of each light group at the scale 1, so that other scales need no solve.
+struct GroupDiffusion {
+    Rgb indirect_gain;
+    std::vector<std::optional<BodyDiffusion::Solution>> of_group;  // empty: never lit so far
 };
 
 /// A translucent body ready to be shaded.
@@ -29,6 +37,8 @@ struct PreparedBody {
     SurfaceFactors factors;
     ExitanceSource source;
     BodyExitance exitance_of;
+    GroupDiffusion diffusion;
+    DiffusionReport report;  // of the diffusion of all groups together
     ExitanceField exitance;
     int march_steps;                                  // of a pixel; see march_steps_of_pixel()
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
@@ -42,7 +52,8 @@ public:
     /// `scene` is that of a ScenePlan, `diffuse` [object] its reflectances, whose objects are
     /// opaque whatever the cache has of them; empty if there are none. `geometry` and what `cache`
     /// points into must outlive this, and the cache must be one of the scene. Adds to the phases
-    /// bvh and octree.
+    /// bvh, octree and diffusion; diffusion counts `clusters`, the `diffusion_iterations` of GMRES
+    /// and, among the errors, `objects[i].diffusion`, and leaves its decisions in the plan.
     PreparedScene(Scene scene, const SceneGeometry& geometry, CacheView cache,
                   ExitanceAccuracy accuracy, const std::vector<std::optional<Rgb>>& diffuse,
                   Stats& stats);
@@ -50,7 +61,8 @@ public:
     /// Takes other values for what the cache does not hold: scales of light groups, coefficients of
     /// media, colours, settings. Shapes, places, lights and what belongs to the cache's fingerprint
     /// must be as before; see require_fingerprint(). Only the exitance is made again, in the phase
-    /// octree, and kernels where media are new. If it throws, it has to be called again.
+    /// octree, and kernels and diffusion where media are new; scales of groups need no solve. If it
+    /// throws, it has to be called again.
     void change(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
 
     PreparedScene(const PreparedScene&) = delete;
@@ -67,6 +79,8 @@ public:
     }
     const ReflectedLight& reflected() const { return *reflected_; }
     Rgb albedo_of(std::uint32_t object) const { return albedos_[scene_.objects[object].material]; }
+    /// What people are to know of the solves, one line each; see diffusion_warning().
+    std::vector<std::string> warnings() const;
     /// Whether surfaces reflect light that was reflected before.
     bool has_indirect_light() const { return indirect_; }
     const ExitanceAccuracy& accuracy() const { return accuracy_; }
@@ -74,8 +88,11 @@ public:
 private:
     void prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
     void prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
-    PreparedBody prepare_body(const BodyView& view, const LitSamples& samples,
-                              std::optional<PreparedBody>& before) const;
+    PreparedBody prepare_body(const BodyView& view, std::optional<PreparedBody>& before,
+                              Stats& stats) const;
+    BodyDiffusion::Solution solve(const BodyView& view, const BodyExitance& exitance_of,
+                                  GroupDiffusion& diffusion) const;
+    void report_diffusion(Stats& stats) const;
 
     const SceneGeometry& geometry_;
     CacheView cache_;

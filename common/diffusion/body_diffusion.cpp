@@ -21,7 +21,7 @@ struct Depth {
 constexpr Depth kDepths[] = {
     {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
 
-constexpr float kSumTolerance = 3e-3f;
+constexpr float kSumTolerance = 5e-3f;
 constexpr double kSolveTolerance = 1e-4;
 
 ChannelDiffusion channel_diffusion(const Medium& medium, int c) {
@@ -61,21 +61,21 @@ private:
     Vec3 s_, t_;
 };
 
-/// Sums at the clusters over the samples, moved, of one channel.
+/// Sums at places of the surface over the samples, moved, of one channel.
 class ClusterSums {
 public:
-    ClusterSums(const EnteringLight& light, const SurfaceClusters& clusters,
+    /// `own_sample` [place] in the light, or -1; see own_samples().
+    ClusterSums(const EnteringLight& light, std::span<const Vec3> places,
                 std::span<const std::int64_t> own_sample, const ReducedChannel& reduced,
                 const ChannelDiffusion& channel, int c)
         : light_(light),
-          clusters_(clusters),
           own_sample_(own_sample),
           mfp_(1 / reduced.sigma_t_prime),
           alpha_prime_(reduced.alpha_prime),
           channel_(channel),
           constants_(diffusion_constants(reduced.absorption, reduced.eta)),
           unit_(KernelTable::unit_near(mfp_)),
-          targets_(clusters.position, unit_),
+          targets_(places, unit_),
           c_(c),
           range_(diagonal(light.position) + 10 * mfp_) {}
 
@@ -86,16 +86,12 @@ public:
             const double d = std::sqrt(r2 + kSoftening * kSoftening * mfp_ * mfp_);
             return std::exp(-s * d) / d;
         };
-        const KernelTable table = tabulate_far(kernel);
-        std::vector<double> S(clusters_.count());
         const double factor = alpha_prime_ / (4 * std::numbers::pi * channel_.D);
-        for (const Depth& depth : kDepths) {
-            const auto t = float(depth.t * mfp_);
-            add(
-                table, kernel, factor * depth.weight, [&](std::size_t i) { return source(i, t); },
-                S);
-        }
-        return S;
+        return sum(kernel, factor, std::size(kDepths), [&](std::size_t i, std::size_t k) {
+            Source at = source(i, float(kDepths[k].t * mfp_));
+            at.share *= float(kDepths[k].weight);
+            return at;
+        });
     }
 
     /// Hs: exitance that the same sources have in a half-space.
@@ -114,14 +110,9 @@ public:
             return sum * to_units;
         };
         const double factor = alpha_prime_ / (8 * std::numbers::pi * channel_.A * channel_.D);
-        std::vector<double> H(clusters_.count());
-        add(
-            tabulate_far(kernel), kernel, factor,
-            [&](std::size_t i) {
-                return Source{float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
-            },
-            H);
-        return H;
+        return sum(kernel, factor, 1, [&](std::size_t i, std::size_t) {
+            return Source{float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
+        });
     }
 
 private:
@@ -145,39 +136,53 @@ private:
         return {beam.length * light_.w_i[i] + (t - beam.length) * beam.w, beam.reflected};
     }
 
-    // Adds factor * sum of the flux of samples times kernel, as source(sample) says.
+    // [place] factor * sum of the flux of samples times kernel, each sample acting at `places`
+    // places as source(sample, place) says. All are points of one tree: from afar they act
+    // together.
     template <class SourceOf>
-    void add(const KernelTable& table, const Kernel& kernel, double factor, const SourceOf& source,
-             std::vector<double>& result) const {
-        std::vector<Vec3> positions(light_.area.size());
-        std::vector<float> flux(positions.size());
-        parallel_for(positions.size(), 16384, [&](std::size_t i) {
-            const Source at = source(i);
-            positions[i] = light_.position[i] + at.offset;
-            flux[i] = at.share * light_.area[i] * light_.E_t[i][c_];
+    std::vector<double> sum(const Kernel& kernel, double factor, std::size_t places,
+                            const SourceOf& source) const {
+        const std::size_t n = light_.area.size();
+        std::vector<Vec3> positions(places * n);
+        std::vector<float> flux(places * n);
+        parallel_for(n, 4096, [&](std::size_t i) {
+            for (std::size_t k = 0; k < places; ++k) {
+                const Source at = source(i, k);
+                positions[i * places + k] = light_.position[i] + at.offset;
+                flux[i * places + k] = at.share * light_.area[i] * light_.E_t[i][c_];
+            }
         });
-        const PointSum sum(positions, flux, light_.nodes, table);
-        std::vector<float> sums(result.size()), evaluations(result.size());
-        sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
+        std::vector<OctreeNode> nodes(light_.nodes.begin(), light_.nodes.end());
+        for (OctreeNode& node : nodes)
+            node.first *= std::uint32_t(places), node.count *= std::uint32_t(places);
+        const PointSum point_sum(positions, flux, nodes, tabulate_far(kernel));
+        std::vector<float> sums(own_sample_.size()), evaluations(sums.size());
+        point_sum.evaluate(targets_, kSumTolerance, {sums, evaluations, {}});
+        std::vector<double> result(sums.size());
         parallel_for(result.size(), 64, [&](std::size_t i) {
-            result[i] += factor * (double(sums[i]) + own_cell(i, kernel, flux, source));
+            // Where samples are far apart, what is taken off for the own cell is rounding at best.
+            result[i] =
+                factor * std::max(0.0, double(sums[i]) + own_cell(i, kernel, places, source));
         });
+        return result;
     }
 
-    // What the cell of the cluster's own sample sends to it beyond what it does as a point.
+    // What the cell of a place's own sample sends to it beyond what it does as points.
     template <class SourceOf>
-    double own_cell(std::size_t cluster, const Kernel& kernel, std::span<const float> flux,
+    double own_cell(std::size_t at_place, const Kernel& kernel, std::size_t places,
                     const SourceOf& source) const {
-        if (own_sample_[cluster] < 0) return 0;
-        const auto i = std::size_t(own_sample_[cluster]);
-        const Vec3 d = source(i).offset;
+        if (own_sample_[at_place] < 0) return 0;
+        const auto i = std::size_t(own_sample_[at_place]);
         const Cell cell(light_.normal[i], light_.area[i]);
-        double mean = 0;
-        for (int k = 0; k < kCellPoints; ++k) {
-            const Vec3 to = d + cell.point(k);
-            mean += kernel(double(glm::dot(to, to))) / kCellPoints;
+        double sum = 0;
+        for (std::size_t p = 0; p < places; ++p) {
+            const Source at = source(i, p);
+            double mean = 0;
+            for (int k = 0; k < kCellPoints; ++k)
+                mean += kernel(double(length2(at.offset + cell.point(k)))) / kCellPoints;
+            sum += double(at.share) * (mean - kernel(double(length2(at.offset))));
         }
-        return double(flux[i]) * (mean - kernel(double(glm::dot(d, d))));
+        return double(light_.area[i] * light_.E_t[i][c_]) * sum;
     }
 
     // Of the distance from a source in an infinite medium, mean free paths; well below the first
@@ -185,7 +190,6 @@ private:
     static constexpr double kSoftening = 0.02;
 
     const EnteringLight& light_;
-    const SurfaceClusters& clusters_;
     std::span<const std::int64_t> own_sample_;
     double mfp_, alpha_prime_;
     ChannelDiffusion channel_;
@@ -196,14 +200,48 @@ private:
     double range_;
 };
 
-// [cluster] where its own sample is in the light, or -1 if it is dark.
-std::vector<std::int64_t> own_samples(const SurfaceClusters& clusters, const EnteringLight& light,
-                                      std::size_t samples) {
-    std::vector<std::int64_t> lit(samples, -1), own(clusters.count());
+// [place] where its own sample is in the light, or -1 if it is dark; `own` [place] is that sample.
+std::vector<std::int64_t> own_samples(std::span<const std::uint32_t> own,
+                                      const EnteringLight& light, std::size_t samples) {
+    std::vector<std::int64_t> lit(samples, -1), result;
     for (std::size_t i = 0; i < light.index.size(); ++i) lit[light.index[i]] = std::int64_t(i);
-    for (std::size_t i = 0; i < own.size(); ++i) own[i] = lit[clusters.nearest[i]];
-    return own;
+    for (const std::uint32_t i : own) result.push_back(lit[i]);
+    return result;
 }
+
+double total(std::span<const float> areas) {
+    double sum = 0;
+    for (const float a : areas) sum += double(a);
+    return sum;
+}
+
+void add(std::vector<Rgb>& sum, Rgb scale, const std::vector<Rgb>& b) {
+    sum.resize(b.size(), Rgb(0));
+    for (std::size_t i = 0; i < b.size(); ++i) sum[i] += scale * b[i];
+}
+
+// Sums of the fine level come first, those of the coarse one after them.
+std::vector<double> part(const std::vector<double>& sums, std::size_t first, std::size_t count) {
+    return {sums.begin() + std::ptrdiff_t(first), sums.begin() + std::ptrdiff_t(first + count)};
+}
+
+bool all_finite(const std::vector<double>& values) {
+    return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
+}
+
+// From few clusters on, twice as many until the wish is met.
+double choose_largest_area(const SampledSurface& samples, const PatchTree& tree,
+                           const ClusterWish& wish) {
+    for (std::size_t count = wish.least; count < wish.most; count *= 2) {
+        const double largest = largest_cluster_area(tree.area, count);
+        if (normal_variance(tree, cut_clusters(samples, tree, largest)) <= wish.variance)
+            return largest;
+    }
+    return largest_cluster_area(tree.area, wish.most);
+}
+
+// How much coarser the clusters are that the solution is compared with.
+constexpr std::size_t kCoarser = 4;
 
 }  // namespace
 
@@ -212,39 +250,121 @@ float BodyDiffusion::deepest_source(const Medium& medium) {
 }
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
-                             std::size_t clusters)
-    : medium_(medium), images_(images), clusters_(cluster_surface(samples, clusters)) {
-    parallel_for(3, 1, [&](std::size_t c) {
-        channels_[c] = channel_diffusion(medium, int(c));
-        operators_[c].emplace(samples, clusters_, channels_[c]);
-    });
+                             const ClusterWish& wish, std::array<bool, 3> solved)
+    : medium_(medium), images_(images), solved_(solved), samples_(samples.size()) {
+    for (int c = 0; c < 3; ++c) channels_[std::size_t(c)] = channel_diffusion(medium, c);
+    const PatchTree tree =
+        build_patch_tree(samples, largest_cluster_area(total(samples.area), wish.most));
+    const double largest = choose_largest_area(samples, tree, wish);
+    fine_.clusters = cut_clusters(samples, tree, largest);
+    coarse_.clusters = cut_clusters(samples, tree, kCoarser * largest);
+    for (Level* level : {&fine_, &coarse_})
+        level->equation.emplace(samples, tree, level->clusters, channels_);
+    for (std::uint32_t i = 0, parent = 0; i < fine_.clusters.count(); ++i) {
+        const auto end = [&](std::uint32_t k) {
+            return tree.patches[coarse_.clusters.patch[k]].end;
+        };
+        while (tree.patches[fine_.clusters.patch[i]].begin >= end(parent)) ++parent;
+        parent_.push_back(parent);
+    }
 }
 
 BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
-    const std::size_t n = clusters_.count();
-    Solution result{std::vector<Rgb>(n), std::vector<Rgb>(n)};
+    Solution result;
+    for (Fields* fields : {&result.fine, &result.coarse}) {
+        const std::size_t n =
+            fields == &result.fine ? clusters().count() : coarse_.clusters.count();
+        fields->B.assign(n, Rgb(0)), fields->Hs.assign(n, Rgb(0));
+    }
     if (light.position.empty()) return result;
-    const auto own = own_samples(clusters_, light, clusters_.order.size());
-    std::array<BoundaryOperator::Solution, 3> solutions;
+    std::vector<Vec3> places = fine_.clusters.position;
+    places.insert(places.end(), coarse_.clusters.position.begin(), coarse_.clusters.position.end());
+    std::vector<std::uint32_t> nearest = fine_.clusters.nearest;
+    nearest.insert(nearest.end(), coarse_.clusters.nearest.begin(), coarse_.clusters.nearest.end());
+    const auto own = own_samples(nearest, light, samples_);
+    std::array<ChannelReport, 3> reports;
     parallel_for(3, 1, [&](std::size_t c) {
-        const ChannelDiffusion& channel = channels_[c];
-        const ClusterSums sums(light, clusters_, own, reduced_channel(medium_, int(c)), channel,
+        if (!solved_[c]) return;
+        const ClusterSums sums(light, places, own, reduced_channel(medium_, int(c)), channels_[c],
                                int(c));
-        const auto S = sums.in_infinite_medium();
-        const auto Hs = sums.in_half_space(double(images_[int(c)]));
-        std::vector<double> guess(n);
-        for (std::size_t i = 0; i < n; ++i) guess[i] = 2 * channel.A * Hs[i];
-        solutions[c] = operators_[c]->solve(S, guess, kSolveTolerance);
-        for (std::size_t i = 0; i < n; ++i) {
-            result.B[i][int(c)] = float(std::max(0.0, solutions[c].phi[i] / (2 * channel.A)));
-            result.Hs[i][int(c)] = float(Hs[i]);
-        }
+        reports[c] = solve_channel(int(c), sums.in_infinite_medium(),
+                                   sums.in_half_space(double(images_[int(c)])), result);
     });
-    for (const BoundaryOperator::Solution& solution : solutions) {
-        result.iterations = std::max(result.iterations, solution.iterations);
-        result.converged = result.converged && solution.converged;
+    for (const ChannelReport& report : reports) {
+        result.iterations = std::max(result.iterations, report.iterations);
+        result.converged = result.converged && report.converged;
     }
     return result;
+}
+
+// `S` and `Hs` [place]: fine clusters, then coarse ones.
+BodyDiffusion::ChannelReport BodyDiffusion::solve_channel(int c, const std::vector<double>& S,
+                                                          const std::vector<double>& Hs,
+                                                          Solution& result) const {
+    const std::size_t n = fine_.clusters.count(), m = coarse_.clusters.count();
+    const double to_fluence = 2 * channels_[std::size_t(c)].A;
+    const auto fine_Hs = part(Hs, 0, n), coarse_Hs = part(Hs, n, m);
+    std::vector<double> guess(m);
+    for (std::size_t k = 0; k < m; ++k) guess[k] = to_fluence * coarse_Hs[k];
+    const auto coarse = coarse_.equation->solve(c, part(S, n, m), guess, kSolveTolerance);
+    guess.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t k = parent_[i];
+        guess[i] = coarse_Hs[k] > 0 ? fine_Hs[i] / coarse_Hs[k] * coarse.phi[k] : coarse.phi[k];
+    }
+    const auto fine = fine_.equation->solve(c, part(S, 0, n), guess, kSolveTolerance);
+    if (!all_finite(coarse.phi) || !all_finite(fine.phi)) return {fine.iterations, false};
+    const auto put = [&](const std::vector<double>& phi, const std::vector<double>& H,
+                         Fields& fields) {
+        for (std::size_t i = 0; i < phi.size(); ++i) {
+            fields.B[i][c] = float(std::max(0.0, phi[i] / to_fluence));
+            fields.Hs[i][c] = float(H[i]);
+        }
+    };
+    put(fine.phi, fine_Hs, result.fine);
+    put(coarse.phi, coarse_Hs, result.coarse);
+    return {fine.iterations, fine.converged && coarse.converged};
+}
+
+void BodyDiffusion::Solution::add(Rgb scale, const Solution& b) {
+    tallow::add(fine.B, scale, b.fine.B), tallow::add(fine.Hs, scale, b.fine.Hs);
+    tallow::add(coarse.B, scale, b.coarse.B), tallow::add(coarse.Hs, scale, b.coarse.Hs);
+    iterations = std::max(iterations, b.iterations);
+    converged = converged && b.converged;
+}
+
+ClusterRatio BodyDiffusion::ratio(const Solution& solution, Rgb strength) const {
+    return {fine_.clusters, solution.fine.B, solution.fine.Hs, strength};
+}
+
+double BodyDiffusion::estimate_error(const Solution& solution, Rgb strength) const {
+    const ClusterRatio fine = ratio(solution, strength);
+    const ClusterRatio coarse(coarse_.clusters, solution.coarse.B, solution.coarse.Hs, strength);
+    const std::size_t n = fine_.clusters.count();
+    std::vector<double> squares(n), sums(n);
+    parallel_for(n, 64, [&](std::size_t i) {
+        const Vec3 x = fine_.clusters.position[i], normal = fine_.clusters.normal[i];
+        const Rgb of_fine = fine.at(x, normal), of_coarse = coarse.at(x, normal);
+        for (int c = 0; c < 3; ++c) {
+            const double Hs = double(solution.fine.Hs[i][c]), a = double(fine_.clusters.area[i]);
+            const double change = Hs * double(of_fine[c] - of_coarse[c]);
+            squares[i] += a * change * change;
+            sums[i] += a * Hs * double(of_fine[c]);
+        }
+    });
+    double square = 0, sum = 0, area = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        square += squares[i], sum += sums[i];
+        area += 3 * double(fine_.clusters.area[i]);
+    }
+    if (!(sum > 0)) return 0;
+    const double ratio_of_counts = double(coarse_.clusters.count()) / double(n);
+    const double of_change = ratio_of_counts / std::max(1 - ratio_of_counts, 1e-3);
+    return std::sqrt(square / area) / (sum / area) * of_change;
+}
+
+std::size_t BodyDiffusion::memory_bytes() const {
+    return fine_.equation->memory_bytes() + coarse_.equation->memory_bytes();
 }
 
 }  // namespace tallow

@@ -34,6 +34,13 @@ struct EnteringLight {
     std::span<const OctreeNode> nodes;
 };
 
+/// How many clusters a body gets: the fewest, but at least `least`, on which normals have a
+/// variance of at most `variance`; at most about `most` anyway. See normal_variance().
+struct ClusterWish {
+    std::size_t least, most;
+    double variance = 0;
+};
+
 /// Diffusion in the body itself, beside that in the half-space that profiles stand for.
 ///
 /// Light that entered scatters first along its refracted beam: sources at a few depths there. Their
@@ -45,28 +52,62 @@ class BodyDiffusion {
 public:
     /// Clusters and operators, for any light. `samples` are all of the closed surface. `images`
     /// [channel] is the share of image sources in the half-space that the profile stands for; the
-    /// rest of it has the boundary condition of the body.
+    /// rest of it has the boundary condition of the body. Channels that are not `solved` get no
+    /// fields, so that their ratio is 1.
     BodyDiffusion(const SampledSurface& samples, const Medium& medium, Rgb images,
-                  std::size_t clusters);
+                  const ClusterWish& wish, std::array<bool, 3> solved = {true, true, true});
 
     /// Depth along a beam beyond which no source lies, mm.
     static float deepest_source(const Medium& medium);
 
-    struct Solution {
+    struct Fields {
         std::vector<Rgb> B, Hs;  // [cluster] W/mm^2, >= 0
-        int iterations = 0;      // of GMRES, the most of any channel
-        bool converged = true;
+    };
+    /// On the clusters, and on a quarter as many for an estimate of the error. Linear in the light:
+    /// those of several lights may be added.
+    struct Solution {
+        Fields fine, coarse;
+        int iterations = 0;     // of GMRES, the most of any channel
+        bool converged = true;  // GMRES did, and all is finite
+
+        void add(Rgb scale, const Solution& b);
     };
     Solution solve(const EnteringLight& light) const;
 
-    const SurfaceClusters& clusters() const { return clusters_; }
+    /// B / Hs between the clusters.
+    ClusterRatio ratio(const Solution& solution, Rgb strength = Rgb(1)) const;
+
+    /// Estimated relRMSE of the exitance of all channels by the size of the clusters.
+    ///
+    ///     error = |M_N - M_n| n / (N - n),   n clusters about N / 4
+    ///
+    /// that is, for an error that falls as 1 / N.
+    double estimate_error(const Solution& solution, Rgb strength = Rgb(1)) const;
+
+    const SurfaceClusters& clusters() const { return fine_.clusters; }
+    std::array<bool, 3> solved() const { return solved_; }
+    /// Of the operators.
+    std::size_t memory_bytes() const;
 
 private:
+    struct Level {
+        SurfaceClusters clusters;
+        std::optional<BoundaryOperator> equation;
+    };
+    struct ChannelReport {
+        int iterations = 0;
+        bool converged = true;
+    };
+    ChannelReport solve_channel(int c, const std::vector<double>& S, const std::vector<double>& Hs,
+                                Solution& result) const;
+
     Medium medium_;
     Rgb images_;
-    SurfaceClusters clusters_;
+    std::array<bool, 3> solved_;
+    std::size_t samples_;
     std::array<ChannelDiffusion, 3> channels_;
-    std::array<std::optional<BoundaryOperator>, 3> operators_;
+    Level fine_, coarse_;
+    std::vector<std::uint32_t> parent_;  // [fine cluster] the coarse one that holds it
 };
 
 }  // namespace tallow

@@ -1,92 +1,193 @@
 // SPDX-License-Identifier: Apache-2.0
+// Clusters -> rows of the operator, 16 at a time, and GMRES with them.
 #include "common/diffusion/boundary_operator.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <unsupported/Eigen/IterativeSolvers>
 
+#include "common/base/check.h"
 #include "common/base/parallel.h"
 
 namespace tallow {
-namespace {
+class ChannelMatrix;
+}  // namespace tallow
 
-using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+namespace Eigen::internal {
+template <>
+struct traits<tallow::ChannelMatrix> : traits<SparseMatrix<float>> {};
+}  // namespace Eigen::internal
 
-// Clusters nearer than so many cluster sizes are integrated over their samples. Measured: see
-// docs/BODY_AWARE.md.
-constexpr float kNear = 3;
+namespace tallow {
 
-constexpr float kInv4Pi = float(1 / (4 * std::numbers::pi));
-
-/// Integral over a piece of surface of vector area N, area a, at distance d from the point: its
-/// part of k, of k with the decay, and of the single layer.
-class PieceIntegral {
+/// One channel of the operator, as Eigen's solvers want a matrix.
+class ChannelMatrix : public Eigen::EigenBase<ChannelMatrix> {
 public:
-    explicit PieceIntegral(const ChannelDiffusion& channel)
-        : s_(float(channel.s)), single_(float(1 / (2 * channel.A * channel.D)) * kInv4Pi) {}
+    using Scalar = float;
+    using RealScalar = float;
+    using StorageIndex = int;
+    enum {
+        ColsAtCompileTime = Eigen::Dynamic,
+        MaxColsAtCompileTime = Eigen::Dynamic,
+        IsRowMajor = false
+    };
 
-    /// Returns the coefficient of phi_j and adds that of phi_i to `diagonal`.
-    float operator()(Vec3 d, Vec3 N, float a, float rho, float& diagonal) const {
-        const float inverse = 1 / rho;
-        const float k = kInv4Pi * glm::dot(N, d) * inverse * inverse * inverse;
-        const float decay = std::exp(-s_ * rho);
-        diagonal += k;
-        return (single_ * a * inverse - k * (1 + s_ * rho)) * decay;
+    ChannelMatrix(const BoundaryOperator& rows, int channel, Eigen::Index n)
+        : rows_(rows), channel_(channel), n_(n) {}
+
+    Eigen::Index rows() const { return n_; }
+    Eigen::Index cols() const { return n_; }
+
+    template <class Vector>
+    Eigen::Product<ChannelMatrix, Vector, Eigen::AliasFreeProduct> operator*(
+        const Eigen::MatrixBase<Vector>& x) const {
+        return {*this, x.derived()};
+    }
+
+    Eigen::VectorXf times(const Eigen::VectorXf& x) const {
+        Eigen::VectorXf result(n_);
+        rows_.multiply(channel_, {x.data(), std::size_t(n_)}, {result.data(), std::size_t(n_)});
+        return result;
     }
 
 private:
-    float s_, single_;
+    const BoundaryOperator& rows_;
+    int channel_;
+    Eigen::Index n_;
 };
 
-float half_radius(float area) { return 0.5f * std::sqrt(area / std::numbers::pi_v<float>); }
+namespace {
+
+constexpr float kInv4Pi = float(1 / (4 * std::numbers::pi));
+
+constexpr int kMostIterations = 200;  // of each tenth of the residual
 
 }  // namespace
+}  // namespace tallow
 
-BoundaryOperator::BoundaryOperator(const SampledSurface& samples, const SurfaceClusters& clusters,
-                                   const ChannelDiffusion& channel)
-    : n_(clusters.count()), matrix_(n_ * n_) {
-    const PieceIntegral integral(channel);
-    const auto near = float(kNear * clusters.size);
-    parallel_for(n_, 8, [&](std::size_t i) {
-        const Vec3 x = clusters.position[i];
-        float* row = matrix_.data() + i * n_;
-        double diagonal = 0;
-        for (std::size_t j = 0; j < n_; ++j) {
-            const Vec3 d = clusters.centroid[j] - x;
-            const float rho = glm::length(d);
-            float k = 0;
-            if (rho > near) {
-                row[j] = integral(d, clusters.vector_area[j], clusters.area[j], rho, k);
-            } else {
-                float sum = 0;
-                for (const std::uint32_t s : clusters.samples(j)) {
-                    const Vec3 to = samples.position[s] - x;
-                    const float a = samples.area[s];
-                    sum += integral(to, a * samples.normal[s], a,
-                                    std::max(glm::length(to), half_radius(a)), k);
-                }
-                row[j] = sum;
-            }
-            diagonal += double(k);
+namespace Eigen::internal {
+template <class Vector>
+struct generic_product_impl<tallow::ChannelMatrix, Vector, SparseShape, DenseShape, GemvProduct>
+    : generic_product_impl_base<tallow::ChannelMatrix, Vector,
+                                generic_product_impl<tallow::ChannelMatrix, Vector>> {
+    template <class Result>
+    static void scaleAndAddTo(Result& result, const tallow::ChannelMatrix& matrix, const Vector& x,
+                              float factor) {
+        result += factor * matrix.times(x);
+    }
+};
+}  // namespace Eigen::internal
+
+namespace tallow {
+
+BoundaryOperator::BoundaryOperator(const SampledSurface& samples, const PatchTree& tree,
+                                   const SurfaceClusters& clusters,
+                                   const std::array<ChannelDiffusion, 3>& channels) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        s_[c] = float(channels[c].s);
+        single_layer_[c] = kInv4Pi * float(1 / (2 * channels[c].A * channels[c].D));
+    }
+    std::vector<std::uint32_t> cluster_of(tree.patches.size(), SurfacePatch::kNone);
+    for (std::uint32_t i = 0; i < clusters.count(); ++i) {
+        cluster_of[clusters.patch[i]] = i;
+        clusters_.push_back(tree.patches[clusters.patch[i]]);
+    }
+    if (clusters_.empty()) return;
+    const std::vector<std::uint32_t> parent_of = number_parents(tree, cluster_of);
+
+    const BoundarySurface surface{samples, tree, cluster_of, s_, single_layer_};
+    constexpr std::size_t kSize = BoundaryPacket::kSize;
+    packets_.resize((clusters_.size() + kSize - 1) / kSize);
+    parallel_for(packets_.size(), 1, [&](std::size_t p) {
+        BoundaryPacket& packet = packets_[p];
+        packet.first = std::uint32_t(p * kSize);
+        packet.count = std::uint32_t(std::min(kSize, clusters_.size() - p * kSize));
+        for (std::uint32_t k = 0; k < kSize; ++k) {
+            const Vec3 x = clusters.position[packet.first + std::min(k, packet.count - 1)];
+            packet.x.of[k] = x.x, packet.y.of[k] = x.y, packet.z.of[k] = x.z;
         }
-        row[i] += float(diagonal);
+        boundary_sum_functions().fill(surface, packet);
+        for (BoundaryPacket::Far& far : packet.far) far.patch = parent_of[far.patch];
     });
 }
 
-BoundaryOperator::Solution BoundaryOperator::solve(const std::vector<double>& source,
+// [patch] its number among the parents.
+std::vector<std::uint32_t> BoundaryOperator::number_parents(
+    const PatchTree& tree, const std::vector<std::uint32_t>& cluster_of) {
+    std::vector<std::uint32_t> parent_of(tree.patches.size(), SurfacePatch::kNone), parents;
+    if (cluster_of[0] == SurfacePatch::kNone) parents.push_back(0);
+    for (std::size_t p = 0; p < parents.size(); ++p) {
+        const SurfacePatch& patch = tree.patches[parents[p]];
+        parent_of[parents[p]] = std::uint32_t(p);
+        Parent parent{patch.centroid, {}, {}};
+        for (std::uint32_t h = 0; h < 2; ++h) {
+            const std::uint32_t half = patch.child + h;
+            parent.is_cluster[h] = cluster_of[half] != SurfacePatch::kNone;
+            parent.half[h] =
+                parent.is_cluster[h] ? cluster_of[half] : std::uint32_t(parents.size());
+            if (!parent.is_cluster[h]) parents.push_back(half);
+        }
+        parents_.push_back(parent);
+    }
+    return parent_of;
+}
+
+void BoundaryOperator::lift(int channel, std::span<const float> phi,
+                            std::vector<FluencePatch>& patches) const {
+    const float single = single_layer_[std::size_t(channel)];
+    const auto of_cluster = [&](std::uint32_t i) {
+        const SurfacePatch& patch = clusters_[i];
+        FluencePatch result{patch.centroid, single * patch.area * phi[i],
+                            kInv4Pi * phi[i] * patch.vector_area,
+                            0.5f * single * phi[i] * patch.second};
+        result.M += kInv4Pi * phi[i] * patch.vector_first;
+        return result;
+    };
+    patches.resize(parents_.size());
+    for (std::size_t p = parents_.size(); p-- > 0;) {
+        const Parent& parent = parents_[p];
+        FluencePatch& sum = patches[p] = {parent.centroid, 0, Vec3(0), {}};
+        for (std::size_t h = 0; h < 2; ++h) {
+            const FluencePatch part =
+                parent.is_cluster[h] ? of_cluster(parent.half[h]) : patches[parent.half[h]];
+            const Vec3 d = part.center - parent.centroid;
+            sum.Q += part.Q;
+            sum.V += part.V + part.Q * d;
+            sum.M += part.M;
+            sum.M += symmetric_product(part.V + 0.5f * part.Q * d, d);
+        }
+    }
+}
+
+void BoundaryOperator::multiply(int channel, std::span<const float> phi,
+                                std::span<float> result) const {
+    std::vector<FluencePatch> patches;
+    lift(channel, phi, patches);
+    parallel_for(packets_.size(), 4, [&](std::size_t p) {
+        BoundaryPacket::Lanes rows;
+        boundary_sum_functions().multiply(packets_[p], channel, s_[std::size_t(channel)], patches,
+                                          phi, rows);
+        std::copy_n(rows.of, packets_[p].count, result.begin() + packets_[p].first);
+    });
+}
+
+BoundaryOperator::Solution BoundaryOperator::solve(int channel, const std::vector<double>& source,
                                                    const std::vector<double>& guess,
                                                    double tolerance) const {
-    const Eigen::Map<const Matrix> matrix(matrix_.data(), Eigen::Index(n_), Eigen::Index(n_));
-    const Eigen::VectorXf b =
-        Eigen::Map<const Eigen::VectorXd>(source.data(), Eigen::Index(n_)).cast<float>();
-    Eigen::VectorXf x =
-        Eigen::Map<const Eigen::VectorXd>(guess.data(), Eigen::Index(n_)).cast<float>();
+    const auto n = Eigen::Index(clusters_.size());
+    const ChannelMatrix matrix(*this, channel, n);
+    // Of the source's own size: squares of light in tiny units would underflow.
+    const Eigen::Map<const Eigen::VectorXd> S(source.data(), n), first(guess.data(), n);
+    const double size = n > 0 ? S.lpNorm<Eigen::Infinity>() : 0;
     Solution solution;
-    if (b.norm() == 0) return {std::vector<double>(n_), 0, true};
-    Eigen::GMRES<Matrix, Eigen::IdentityPreconditioner> gmres(matrix);
-    gmres.setMaxIterations(200);
+    if (!(size > 0)) return {std::vector<double>(std::size_t(n)), 0, true};
+    const Eigen::VectorXf b = (S / size).cast<float>();
+    Eigen::VectorXf x = (first / size).cast<float>();
+    Eigen::GMRES<ChannelMatrix, Eigen::IdentityPreconditioner> gmres(matrix);
+    gmres.setMaxIterations(kMostIterations);
+    gmres.set_restart(kMostIterations);
     for (float residual = 1e-2f; residual > 1e-7f && !solution.converged; residual *= 0.1f) {
         gmres.setTolerance(residual);
         const Eigen::VectorXf next = gmres.solveWithGuess(b, x);
@@ -94,8 +195,18 @@ BoundaryOperator::Solution BoundaryOperator::solve(const std::vector<double>& so
         solution.converged = (next - x).norm() <= float(tolerance) * next.norm();
         x = next;
     }
-    solution.phi.assign(x.data(), x.data() + n_);
+    solution.phi.resize(std::size_t(n));
+    Eigen::Map<Eigen::VectorXd>(solution.phi.data(), n) = size * x.cast<double>();
     return solution;
+}
+
+std::size_t BoundaryOperator::memory_bytes() const {
+    std::size_t bytes = clusters_.size() * sizeof(SurfacePatch) + parents_.size() * sizeof(Parent);
+    for (const BoundaryPacket& packet : packets_)
+        bytes += sizeof packet +
+                 packet.near.size() * (sizeof(std::uint32_t) + 3 * sizeof(BoundaryPacket::Lanes)) +
+                 packet.far.size() * sizeof(BoundaryPacket::Far);
+    return bytes;
 }
 
 }  // namespace tallow

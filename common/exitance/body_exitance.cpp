@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/exitance/body_exitance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace tallow {
 namespace {
 
-// Clusters of a body. Chosen: on the bunny in marble what leaves in all changes by 0.1 % from 1000 to
-// 4000, the exitance of single pixels by 5 % (relRMSE).
-constexpr std::size_t kClusters = 2000;
+// Clusters of a body at a tolerance of 1 %; their number is inverse to the tolerance. Chosen for
+// time: docs/BODY_AWARE.md has error, time and memory against their number.
+constexpr std::size_t kLeastClusters = 1000;
+constexpr double kMostClusters = 4000, kMostClustersEver = 32000;
+
+// Light cannot tell a surface from one that is smoothed over a mean free path: clusters need not be
+// smaller. `solved` are the channels that count.
+ClusterWish cluster_wish(const DiffusionWish& wish, double area, Rgb mean_free_path,
+                         const std::array<bool, 3>& solved) {
+    if (wish.clusters > 0) return {wish.clusters, wish.clusters};
+    const double tolerance = std::max(wish.tolerance, 1e-3);
+    double length = double(kInfinity);
+    for (int c = 0; c < 3; ++c)
+        if (solved[std::size_t(c)]) length = std::min(length, double(mean_free_path[c]));
+    const double most =
+        std::min({kMostClusters * 0.01 / tolerance, kMostClustersEver, area / (length * length)});
+    return {kLeastClusters, std::max(kLeastClusters, std::size_t(most)), tolerance};
+}
 
 // Samples that are farther apart than light travels cannot tell what the light does near them: the
 // correction fades out while the mean free path falls from one spacing to half of it.
@@ -45,29 +63,83 @@ Rgb image_shares(const SubsurfaceMaterial& material) {
 
 }  // namespace
 
-BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use)
+BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
+                           DiffusionWish wish)
     : body_(body), use_(use) {
     const SubsurfaceMaterial& material = *subsurface(scene, body.object);
     kernels_.emplace(
         make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm));
     shifts_ = shifts_of(material);
     strength_ = strength_at(material.medium.mean_free_path() / body.spacing_mm);
-    if (!material.boundary_elements || !encloses_volume(scene.objects[body.object].shape) ||
-        max_channel(strength_) == 0)
-        return;
+    wants_diffusion_ =
+        material.boundary_elements && encloses_volume(scene.objects[body.object].shape);
+    if (!wants_diffusion_ || max_channel(strength_) == 0 || body.positions.empty()) return;
+    std::array<bool, 3> solved;
+    for (int c = 0; c < 3; ++c) solved[std::size_t(c)] = strength_[c] > 0;
     diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
-                       image_shares(material), kClusters);
+                       image_shares(material),
+                       cluster_wish(wish, body.area_mm2, material.medium.mean_free_path(), solved),
+                       solved);
     beam_length_ = BodyDiffusion::deepest_source(material.medium);
 }
 
-ExitanceField BodyExitance::field(const LitSamples& lit, std::span<const Beam> beams,
+BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit,
+                                            std::span<const Beam> beams) const {
+    if (!diffusion_) return {};
+    return diffusion_->solve(
+        {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, beams, lit.index, lit.nodes});
+}
+
+DiffusionReport BodyExitance::report(const BodyDiffusion::Solution& solution) const {
+    if (!diffusion_) return {wants_diffusion_};
+    return {true,
+            clusters(),
+            diffusion_->solved(),
+            solution.iterations,
+            solution.converged,
+            diffusion_->estimate_error(solution, strength_)};
+}
+
+void add_worse(DiffusionReport& report, const DiffusionReport& b) {
+    if (b.error >= report.error) report.clusters = b.clusters, report.error = b.error;
+    report.wanted = report.wanted || b.wanted;
+    for (std::size_t c = 0; c < 3; ++c) report.solved[c] = report.solved[c] || b.solved[c];
+    report.iterations = std::max(report.iterations, b.iterations);
+    report.converged = report.converged && b.converged;
+}
+
+std::vector<Decision> diffusion_decisions(std::size_t object, const DiffusionReport& report) {
+    constexpr const char* kChannels[] = {"red", "green", "blue"};
+    std::vector<Decision> decisions;
+    if (!report.wanted) return decisions;
+    for (std::size_t c = 0; c < 3; ++c)
+        decisions.push_back(
+            {fmt::format("objects[{}]", object),
+             fmt::format("diffusion in the body, {}", kChannels[c]), report.solved[c],
+             report.solved[c] ? fmt::format("{} boundary elements", report.clusters) : "not solved",
+             report.solved[c] ? "samples resolve the mean free path"
+                              : "samples are farther apart than two mean free paths",
+             std::nullopt});
+    return decisions;
+}
+
+std::string diffusion_warning(const DiffusionReport& report, double tolerance) {
+    if (report.clusters == 0) return {};
+    if (!report.converged)
+        return fmt::format("diffusion on {} boundary elements did not converge", report.clusters);
+    if (report.error <= kMostOfTolerance * tolerance) return {};
+    return fmt::format(
+        "diffusion on {} boundary elements is off by about {:.2g} of the light, above the "
+        "tolerance "
+        "of {}: a smaller settings.tolerance takes more of them",
+        report.clusters, report.error, tolerance);
+}
+
+ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::Solution& solution,
                                   ExitanceAccuracy accuracy) const {
     std::optional<ClusterRatio> ratio;
-    if (diffusion_) {
-        auto solved = diffusion_->solve(
-            {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, beams, lit.index, lit.nodes});
-        ratio.emplace(diffusion_->clusters(), std::move(solved.B), std::move(solved.Hs), strength_);
-    }
+    if (diffusion_ && !solution.fine.B.empty())
+        ratio.emplace(diffusion_->ratio(solution, strength_));
     // Where paths end the control variate's irradiance is not known, and its edges do not matter.
     if (use_ == ExitanceUse::paths)
         return {{}, lit, ExitanceKernels{kernels_->profiles}, accuracy, shifts_, std::move(ratio)};

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "common/base/plan.h"
 #include "common/diffusion/body_diffusion.h"
 #include "common/exitance/exitance_field.h"
 #include "common/scene/scene.h"
@@ -13,6 +17,37 @@ namespace tallow {
 /// paths of indirect light end.
 enum class ExitanceUse { seen, paths };
 
+/// How well diffusion in a body is to be resolved: as the tolerance asks for, or, if it is not 0,
+/// on about `clusters` clusters.
+struct DiffusionWish {
+    double tolerance = 0.01;
+    std::size_t clusters = 0;
+};
+
+/// What became of a solve.
+struct DiffusionReport {
+    bool wanted = false;       ///< a finite body of a material with boundary elements
+    std::size_t clusters = 0;  ///< 0: nothing was solved
+    std::array<bool, 3> solved{};
+    int iterations = 0;
+    bool converged = true;
+    double error = 0;  ///< estimated relRMSE of the exitance; see BodyDiffusion::estimate_error()
+};
+
+/// Takes over what is worse in `b`.
+void add_worse(DiffusionReport& report, const DiffusionReport& b);
+
+/// What people are to know of it, without an end of line: that GMRES did not converge, or that the
+/// error is more than kMostOfTolerance times the tolerance. Empty if all is well.
+std::string diffusion_warning(const DiffusionReport& report, double tolerance);
+
+/// Which channels of an object are solved on how many clusters, and which are not, and why; empty
+/// if no solve was wanted.
+std::vector<Decision> diffusion_decisions(std::size_t object, const DiffusionReport& report);
+
+/// Clusters are chosen for a given cost; where they miss the tolerance by less nobody is told.
+inline constexpr double kMostOfTolerance = 2;
+
 /// What the exitance of one body is made of beside its light: kernels for its medium and spacing,
 /// and, for a body-aware material, diffusion in the body. Made once; the light may change after.
 ///
@@ -20,17 +55,27 @@ enum class ExitanceUse { seen, paths };
 class BodyExitance {
 public:
     /// `body` must outlive this and its fields. A plane has no diffusion of its own: it is the
-    /// half-space that the profile stands for.
-    BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use);
+    /// half-space that the profile stands for. Channels are solved whose mean free path the samples
+    /// resolve.
+    BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
+                 DiffusionWish wish = {});
 
     /// Clusters on which diffusion is solved; 0 if it is not.
     std::size_t clusters() const { return diffusion_ ? diffusion_->clusters().count() : 0; }
+    std::size_t memory_bytes() const { return diffusion_ ? diffusion_->memory_bytes() : 0; }
 
-    /// How far beams of light are to be followed for field(), mm; 0 if they are not asked for.
+    /// How far beams of light are to be followed for solve(), mm; 0 if they are not asked for.
     float beam_length() const { return beam_length_; }
 
-    /// The exitance under some light, which goes the ways of beams[sample] before it scatters.
-    ExitanceField field(const LitSamples& lit, std::span<const Beam> beams,
+    /// Diffusion of some light, which goes the ways of beams[sample] before it scatters. Solutions
+    /// of several lights may be added. Empty if there are no clusters.
+    BodyDiffusion::Solution solve(const LitSamples& lit, std::span<const Beam> beams) const;
+
+    DiffusionReport report(const BodyDiffusion::Solution& solution) const;
+
+    /// The exitance under some light, of which `solution` is the diffusion; that of the half-space
+    /// if it is empty.
+    ExitanceField field(const LitSamples& lit, const BodyDiffusion::Solution& solution,
                         ExitanceAccuracy accuracy) const;
 
 private:
@@ -39,6 +84,7 @@ private:
     std::optional<ExitanceKernels> kernels_;
     ExitanceShifts shifts_;
     Rgb strength_;  // of the body's diffusion
+    bool wants_diffusion_;
     std::optional<BodyDiffusion> diffusion_;
     float beam_length_ = 0;
 };

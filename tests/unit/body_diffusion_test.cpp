@@ -41,6 +41,8 @@ struct LitSurface {
     EnteringLight light() const { return {position, normal, w_i, E_t, area, beams, index, nodes}; }
 };
 
+constexpr ClusterWish k1000{1000, 1000};
+
 constexpr double kRadius = 10;
 
 // E = 1 + cos theta, theta from +z.
@@ -131,18 +133,18 @@ double sphere_exitance(const Constants& k, int l) {
 TEST(BodyDiffusion, SphereMatchesItsClosedForm) {
     const LitSurface sphere = lit_sphere(20000);
     for (const float sigma_a : {0.0003f, 0.01f, 0.3f}) {
-        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), Rgb(0), 1000);
+        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), Rgb(0), k1000);
         const auto solution = diffusion.solve(sphere.light());
         EXPECT_TRUE(solution.converged);
         const Constants k = constants(medium(sigma_a));
         const double even = sphere_exitance(k, 0), odd = sphere_exitance(k, 1);
         double square = 0;
-        for (std::size_t i = 0; i < solution.B.size(); ++i) {
+        for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
             const double z = double(diffusion.clusters().position[i].z) / kRadius;
-            const double error = double(solution.B[i][0]) - (even + odd * z);
+            const double error = double(solution.fine.B[i][0]) - (even + odd * z);
             square += error * error;
         }
-        const double rms = std::sqrt(square / double(solution.B.size())) / even;
+        const double rms = std::sqrt(square / double(solution.fine.B.size())) / even;
         EXPECT_LT(rms, 0.01) << "sigma_a " << sigma_a;
     }
 }
@@ -151,7 +153,7 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
     for (const double thickness : {1.5, 6.0})
         for (const float sigma_a : {0.05f}) {
             const LitSurface plate = lit_plate(thickness, 0.5);
-            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), Rgb(0), 1000);
+            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), Rgb(0), k1000);
             const auto solution = diffusion.solve(plate.light());
             const Constants k = constants(medium(sigma_a));
             const auto u = [&](double x) {
@@ -170,11 +172,11 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
                 back += k.alpha_prime * w * u(z) * u(0) / (k.D * W * 2 * k.A);
             }
             double sum[2] = {}, count[2] = {};
-            for (std::size_t i = 0; i < solution.B.size(); ++i) {
+            for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
                 const Vec3 x = diffusion.clusters().position[i];
                 if (std::abs(x.x) > 5 || std::abs(x.y) > 5) continue;
                 const int side = x.z < -0.5 * thickness;
-                sum[side] += double(solution.B[i][0]), count[side] += 1;
+                sum[side] += double(solution.fine.B[i][0]), count[side] += 1;
             }
             EXPECT_NEAR(sum[0] / count[0], front, 0.02 * front) << thickness << " " << sigma_a;
             EXPECT_NEAR(sum[1] / count[1], back, 0.02 * back) << thickness << " " << sigma_a;
@@ -183,25 +185,27 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
 
 TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     const LitSurface block = lit_plate(20, 0.6);
-    const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), 1000);
+    const BodyDiffusion diffusion(block.surface(), medium(0.3f), Rgb(0), k1000);
     const auto solution = diffusion.solve(block.light());
-    for (std::size_t i = 0; i < solution.B.size(); ++i) {
+    for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
         const Vec3 x = diffusion.clusters().position[i];
         if (std::abs(x.x) > 15 || std::abs(x.y) > 15 || x.z < -1) continue;
-        EXPECT_NEAR(solution.B[i][0] / solution.Hs[i][0], 1, 0.02);
+        EXPECT_NEAR(solution.fine.B[i][0] / solution.fine.Hs[i][0], 1, 0.02);
     }
 }
 
 TEST(SurfaceClusters, PartitionTheSamplesAndDoNotReachThroughThinSheets) {
     const LitSurface plate = lit_plate(0.5, 0.5);
-    const SurfaceClusters clusters = cluster_surface(plate.surface(), 500);
+    const double largest = largest_cluster_area(2 * 60 * 60 + 4 * 60 * 0.5, 500);
+    const PatchTree tree = build_patch_tree(plate.surface(), largest);
+    const SurfaceClusters clusters = cut_clusters(plate.surface(), tree, largest);
     EXPECT_GE(clusters.count(), 500u);
     EXPECT_LE(clusters.count(), 1024u);
     std::vector<int> seen(plate.position.size());
     double area = 0;
     for (std::size_t i = 0; i < clusters.count(); ++i) {
         area += double(clusters.area[i]);
-        for (const auto s : clusters.samples(i)) {
+        for (const auto s : tree.samples(tree.patches[clusters.patch[i]])) {
             ++seen[s];
             EXPECT_GT(glm::dot(plate.normal[s], clusters.normal[i]), 0.5f);
         }

@@ -96,6 +96,66 @@ TEST_F(PreparedSceneTest, ChangesAreAsGoodAsPreparingAgain) {
     EXPECT_EQ(render(*world, camera), before);
 }
 
+// Diffusion in the body is kept for each light group: the same bytes, whichever groups were lit
+// before.
+TEST_F(PreparedSceneTest, ScalesOfGroupsNeedNoSolve) {
+    const std::string body_aware =
+        "materials.wax={type: subsurface, model: body-aware, sigma_s_prime: [1, 1.5, 2], "
+        "sigma_a: [0.02, 0.1, 0.3], eta: 1.4}";
+    const Camera& camera = scene_.cameras[0];
+    const auto with = [&](const std::string& groups) {
+        return scene_of(kScene, {body_aware, "groups=" + groups});
+    };
+    const auto world = prepare(with("{key: {scale: 1}, fill: {scale: 0}}"));
+    ASSERT_GT(world->body(0)->exitance_of.clusters(), 0u);
+    ASSERT_TRUE(world->body(0)->diffusion.of_group[0]);
+    EXPECT_FALSE(world->body(0)->diffusion.of_group[1]);  // in the dark so far
+    const float* kept = &world->body(0)->diffusion.of_group[0]->fine.B[0].r;
+    for (const std::string groups :
+         {"{key: {scale: [2, 1, 0.5]}, fill: {scale: 3}}", "{key: {scale: 0}, fill: {scale: 1}}"}) {
+        world->change(with(groups), no_diffuse_, stats_);
+        EXPECT_EQ(&world->body(0)->diffusion.of_group[0]->fine.B[0].r, kept);
+        EXPECT_TRUE(world->body(0)->diffusion.of_group[1]);
+        EXPECT_EQ(render(*world, camera), render(*prepare(with(groups)), camera)) << groups;
+    }
+    // Another medium is another solve.
+    world->change(scene_of(kScene, {body_aware, "materials.wax.eta=1.4",
+                                    "materials.wax.sigma_a=[0.3, 0.1, 0.02]"}),
+                  no_diffuse_, stats_);
+    EXPECT_NE(&world->body(0)->diffusion.of_group[0]->fine.B[0].r, kept);
+}
+
+// What became of the solve is in the summary.
+TEST_F(PreparedSceneTest, ReportsDiffusion) {
+    const Scene scene = scene_of(
+        kScene, {"materials.wax.model=body-aware", "materials.wax.sigma_s_prime=[1, 1, 90]"});
+    stats_ = {};
+    const auto world = prepare(scene);
+    EXPECT_GT(std::get<std::int64_t>(stats_.counts.at("clusters")), 0);
+    EXPECT_GT(std::get<std::int64_t>(stats_.counts.at("diffusion_iterations")), 0);
+    EXPECT_GT(std::get<double>(stats_.errors.at("objects[0].diffusion")), 0);
+    EXPECT_EQ(std::get<std::int64_t>(stats_.errors.at("objects[0].diffusion_converged")), 1);
+    EXPECT_GT(stats_.seconds.at("diffusion"), 0);
+    std::map<std::string, bool> computed;
+    for (const Decision& decision : stats_.plan.decisions)
+        computed[decision.term] = decision.computed;
+    EXPECT_TRUE(computed.at("diffusion in the body, red"));
+    EXPECT_FALSE(computed.at("diffusion in the body, blue"));  // samples do not resolve it
+}
+
+TEST(DiffusionWarning, NamesWhatMissesTheTolerance) {
+    DiffusionReport report{true, 1234, {true, true, true}, 20, true, 0.019};
+    EXPECT_EQ(diffusion_warning(report, 0.01), "");
+    report.error = 0.031;
+    EXPECT_EQ(diffusion_warning(report, 0.01),
+              "diffusion on 1234 boundary elements is off by about 0.031 of the light, above the "
+              "tolerance of 0.01: a smaller settings.tolerance takes more of them");
+    report.converged = false;
+    EXPECT_EQ(diffusion_warning(report, 0.01),
+              "diffusion on 1234 boundary elements did not converge");
+    EXPECT_EQ(diffusion_warning({}, 0.01), "");
+}
+
 // A cache may hold samples of a body that is taken for a diffuse surface now: they must not add to
 // it. With indirect light, which a diffuse surface gathers for itself.
 TEST_F(PreparedSceneTest, BodiesTakenForDiffuseSurfacesNeedNoSamples) {

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene and cache -> error, time and memory of the boundary-element solve against the number of
+// clusters, as CSV on stdout.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "common/base/errors.h"
+#include "common/base/tool_main.h"
+#include "common/cloud/cache_io.h"
+#include "common/cloud/scene_fingerprint.h"
+#include "common/exitance/body_exitance.h"
+#include "common/geometry/ray_scene.h"
+#include "common/lighting/beams.h"
+#include "common/scene/scene_geometry.h"
+#include "common/scene/scene_yaml.h"
+
+using namespace tallow;
+
+namespace {
+
+constexpr std::size_t kPoints = 20000;  // of the surface, where exitance is compared
+
+struct Arguments {
+    std::filesystem::path scene, cache;
+    std::string clusters = "125,500,2000,8000";
+    std::vector<std::string> overrides;
+};
+
+void declare(CommandLine& line, Arguments& a) {
+    line.positional("SCENE", a.scene, "Scene file with translucent bodies");
+    line.positional("CACHE", a.cache, "Its cache");
+    line.text("--clusters", a.clusters, "Numbers of clusters; errors are against the last",
+              "N,...");
+    line.text_list("--set", a.overrides, "Override a value of the scene", "KEY=VALUE");
+}
+
+std::vector<std::size_t> parse_list(const std::string& text) {
+    std::vector<std::size_t> values;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        values.push_back(std::size_t(parse_number("--clusters", text.substr(begin, end - begin), 0,
+                                                  1e6, "numbers, separated by commas")));
+        begin = end + 1;
+    }
+    return values;
+}
+
+/// What one number of clusters gives.
+struct Row {
+    std::size_t clusters;
+    double build_seconds, solve_seconds;
+    double megabytes, estimate;
+    int iterations;
+    std::vector<Rgb> M, half_space;  // [point]
+};
+
+class Seconds {
+public:
+    double operator()() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::vector<ExitancePoint> points_of(const BodyView& body) {
+    std::vector<ExitancePoint> points;
+    const std::size_t n = body.positions.size(), step = std::max<std::size_t>(1, n / kPoints);
+    for (std::size_t i = step / 2; i < n; i += step)
+        points.push_back({body.positions[i], body.normals[i], body.normals[i]});
+    return points;
+}
+
+Row solve(const BodyExitance& exitance, const LitSamples& lit, std::span<const Beam> beams,
+          std::span<const ExitancePoint> points, double build_seconds) {
+    const Seconds seconds;
+    const BodyDiffusion::Solution solution = exitance.solve(lit, beams);
+    Row row{exitance.clusters(),
+            build_seconds,
+            seconds(),
+            double(exitance.memory_bytes()) * 1e-6,
+            exitance.report(solution).error,
+            solution.iterations,
+            {},
+            {}};
+    row.M = exitance.field(lit, solution, ExitanceAccuracy{0.002f}).gather(points).M;
+    row.half_space = exitance.field(lit, {}, ExitanceAccuracy{0.002f}).gather(points).M;
+    return row;
+}
+
+double error(const std::vector<Rgb>& M, const std::vector<Rgb>& reference) {
+    double sum = 0, squares = 0;
+    for (std::size_t i = 0; i < M.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double d = double(M[i][c]) - double(reference[i][c]);
+            squares += d * d, sum += double(reference[i][c]);
+        }
+    return sum > 0 ? std::sqrt(squares * 3 * double(M.size())) / sum : 0;
+}
+
+void measure(const Arguments& a, ToolRun& run) {
+    const std::vector<std::size_t> numbers = parse_list(a.clusters);
+    const Scene scene = load_scene(a.scene, a.overrides);
+    const SceneGeometry geometry = load_geometry(scene, run.stats);
+    const MappedCache cache(a.cache);
+    require_fingerprint(a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
+    const RayScene rays(geometry.surfaces);
+    fmt::print(
+        "object,clusters,build_s,solve_s,megabytes,iterations,estimate,relRMSE,half_space\n");
+    for (const BodyView& body : cache.view().bodies) {
+        const LitSamples lit = light_samples(body, scene.groups);
+        const auto points = points_of(body);
+        std::vector<Row> rows;
+        for (const std::size_t n : numbers) {
+            const Seconds seconds;
+            const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths,
+                                        DiffusionWish{0.01, n});
+            const double build_seconds = seconds();
+            if (exitance.clusters() == 0) break;
+            const auto beams =
+                follow_beams(rays, body.object, lit, subsurface(scene, body.object)->medium.eta,
+                             exitance.beam_length());
+            rows.push_back(solve(exitance, lit, beams, points, build_seconds));
+        }
+        for (const Row& row : rows)
+            fmt::print("{},{},{:.3f},{:.3f},{:.2f},{},{:.5f},{:.5f},{:.5f}\n", body.object,
+                       row.clusters, row.build_seconds, row.solve_seconds, row.megabytes,
+                       row.iterations, row.estimate, error(row.M, rows.back().M),
+                       error(row.half_space, rows.back().M));
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Arguments arguments;
+    return tool_main(
+        "diffusion-convergence",
+        "Measures how the boundary-element solve converges with the number of clusters: CSV.", argc,
+        argv, [&](CommandLine& line) { declare(line, arguments); },
+        [&](ToolRun& run) { measure(arguments, run); });
+}
