@@ -89,15 +89,15 @@ BoundaryOperator::BoundaryOperator(const SampledSurface& samples, const PatchTre
         s_[c] = float(channels[c].s);
         single_layer_[c] = kInv4Pi * float(1 / (2 * channels[c].A * channels[c].D));
     }
-    std::vector<std::uint32_t> cluster_of(tree.patches.size(), SurfacePatch::kNone);
+    cluster_of_.assign(tree.patches.size(), SurfacePatch::kNone);
     for (std::uint32_t i = 0; i < clusters.count(); ++i) {
-        cluster_of[clusters.patch[i]] = i;
+        cluster_of_[clusters.patch[i]] = i;
         clusters_.push_back(tree.patches[clusters.patch[i]]);
     }
     if (clusters_.empty()) return;
-    const std::vector<std::uint32_t> parent_of = number_parents(tree, cluster_of);
+    number_parents(tree);
 
-    const BoundarySurface surface{samples, tree, cluster_of, s_, single_layer_};
+    const BoundarySurface surface{samples, tree, cluster_of_, s_, single_layer_};
     constexpr std::size_t kSize = BoundaryPacket::kSize;
     packets_.resize((clusters_.size() + kSize - 1) / kSize);
     parallel_for(packets_.size(), 1, [&](std::size_t p) {
@@ -105,33 +105,31 @@ BoundaryOperator::BoundaryOperator(const SampledSurface& samples, const PatchTre
         packet.first = std::uint32_t(p * kSize);
         packet.count = std::uint32_t(std::min(kSize, clusters_.size() - p * kSize));
         for (std::uint32_t k = 0; k < kSize; ++k) {
-            const Vec3 x = clusters.position[packet.first + std::min(k, packet.count - 1)];
-            packet.x.of[k] = x.x, packet.y.of[k] = x.y, packet.z.of[k] = x.z;
+            const std::uint32_t i = packet.first + std::min(k, packet.count - 1);
+            packet.set(int(k), clusters.position[i]);
         }
         boundary_sum_functions().fill(surface, packet);
-        for (BoundaryPacket::Far& far : packet.far) far.patch = parent_of[far.patch];
+        for (BoundaryPacket::Far& far : packet.far) far.patch = parent_of_[far.patch];
     });
 }
 
-// [patch] its number among the parents.
-std::vector<std::uint32_t> BoundaryOperator::number_parents(
-    const PatchTree& tree, const std::vector<std::uint32_t>& cluster_of) {
-    std::vector<std::uint32_t> parent_of(tree.patches.size(), SurfacePatch::kNone), parents;
-    if (cluster_of[0] == SurfacePatch::kNone) parents.push_back(0);
+void BoundaryOperator::number_parents(const PatchTree& tree) {
+    std::vector<std::uint32_t> parents;
+    parent_of_.assign(tree.patches.size(), SurfacePatch::kNone);
+    if (cluster_of_[0] == SurfacePatch::kNone) parents.push_back(0);
     for (std::size_t p = 0; p < parents.size(); ++p) {
         const SurfacePatch& patch = tree.patches[parents[p]];
-        parent_of[parents[p]] = std::uint32_t(p);
+        parent_of_[parents[p]] = std::uint32_t(p);
         Parent parent{patch.centroid, {}, {}};
         for (std::uint32_t h = 0; h < 2; ++h) {
             const std::uint32_t half = patch.child + h;
-            parent.is_cluster[h] = cluster_of[half] != SurfacePatch::kNone;
+            parent.is_cluster[h] = cluster_of_[half] != SurfacePatch::kNone;
             parent.half[h] =
-                parent.is_cluster[h] ? cluster_of[half] : std::uint32_t(parents.size());
+                parent.is_cluster[h] ? cluster_of_[half] : std::uint32_t(parents.size());
             if (!parent.is_cluster[h]) parents.push_back(half);
         }
         parents_.push_back(parent);
     }
-    return parent_of;
 }
 
 void BoundaryOperator::lift(int channel, std::span<const float> phi,
@@ -171,6 +169,21 @@ void BoundaryOperator::multiply(int channel, std::span<const float> phi,
                                           phi, rows);
         std::copy_n(rows.of, packets_[p].count, result.begin() + packets_[p].first);
     });
+}
+
+std::vector<SurfaceSum> BoundaryOperator::sum_layers(const SampledSurface& samples,
+                                                     const PatchTree& tree, int channel,
+                                                     std::span<const float> phi,
+                                                     std::span<const PointPacket> points) const {
+    std::vector<FluencePatch> patches;
+    lift(channel, phi, patches);
+    const BoundarySurface surface{samples, tree, cluster_of_, s_, single_layer_};
+    const SurfaceFluence fluence{channel, phi, patches, parent_of_};
+    std::vector<SurfaceSum> sums(points.size());
+    parallel_for(points.size(), 4, [&](std::size_t p) {
+        boundary_sum_functions().sum_layers(surface, fluence, points[p], sums[p]);
+    });
+    return sums;
 }
 
 BoundaryOperator::Solution BoundaryOperator::solve(int channel, const std::vector<double>& source,

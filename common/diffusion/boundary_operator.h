@@ -38,6 +38,12 @@ public:
     /// The left side of the equation: result[cluster] of phi[cluster].
     void multiply(int channel, std::span<const float> phi, std::span<float> result) const;
 
+    /// The integrals of the equation's left side at `points` that are no clusters, of phi[cluster];
+    /// `samples` and `tree` are those of the constructor.
+    std::vector<SurfaceSum> sum_layers(const SampledSurface& samples, const PatchTree& tree,
+                                       int channel, std::span<const float> phi,
+                                       std::span<const PointPacket> points) const;
+
     std::size_t memory_bytes() const;
 
 private:
@@ -47,11 +53,11 @@ private:
         std::array<std::uint32_t, 2> half;
         std::array<bool, 2> is_cluster;
     };
-    std::vector<std::uint32_t> number_parents(const PatchTree& tree,
-                                              const std::vector<std::uint32_t>& cluster_of);
+    void number_parents(const PatchTree& tree);
     void lift(int channel, std::span<const float> phi, std::vector<FluencePatch>& patches) const;
 
     std::array<float, 3> s_, single_layer_;  // [channel], see BoundarySurface
+    std::vector<std::uint32_t> cluster_of_, parent_of_;  // [patch] or SurfacePatch::kNone
     std::vector<SurfacePatch> clusters_;
     std::vector<Parent> parents_;
     std::vector<BoundaryPacket> packets_;

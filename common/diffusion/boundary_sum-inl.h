@@ -39,7 +39,7 @@ constexpr float kInv4Pi = float(1 / (4 * std::numbers::pi));
 struct Way {
     RowVector dx, dy, dz, u;  // u = rho^2
 
-    HWY_INLINE Way(const BoundaryPacket& packet, std::size_t lane, Vec3 to) {
+    HWY_INLINE Way(const PointPacket& packet, std::size_t lane, Vec3 to) {
         const Rows d;
         dx = hn::Sub(hn::Set(d, to.x), hn::Load(d, packet.x.of + lane));
         dy = hn::Sub(hn::Set(d, to.y), hn::Load(d, packet.y.of + lane));
@@ -89,7 +89,7 @@ struct Decay {
     }
 };
 
-HWY_INLINE float least_distance2(const BoundaryPacket& packet, Vec3 to) {
+HWY_INLINE float least_distance2(const PointPacket& packet, Vec3 to) {
     const Rows d;
     auto least = hn::Set(d, kInfinity);
     for (std::size_t i = 0; i < BoundaryPacket::kSize; i += hn::MaxLanes(d))
@@ -102,7 +102,106 @@ HWY_INLINE void add(float* to, RowVector value) {
     hn::Store(hn::Add(hn::Load(d, to), value), d, to);
 }
 
-/// Fills one packet: goes down the tree until patches are small for their distance.
+/// Goes down the tree until patches are small for their distance from a packet, and shows `sink`
+/// patches above the clusters, parts of clusters, and single samples.
+template <class Sink>
+class PatchWalk {
+public:
+    PatchWalk(const BoundarySurface& surface, const PointPacket& points, Sink& sink)
+        : surface_(surface), points_(points), sink_(sink) {}
+
+    void run() { visit(0, surface_.cluster_of[0]); }
+
+private:
+    // `cluster` is that which the patch is part of, if any.
+    void visit(std::uint32_t index, std::uint32_t cluster) {
+        const SurfacePatch& patch = surface_.tree.patches[index];
+        if (cluster == SurfacePatch::kNone) cluster = surface_.cluster_of[index];
+        const float least = std::sqrt(least_distance2(points_, patch.centroid));
+        if (patch.radius <= kOpening * least) {
+            if (cluster == SurfacePatch::kNone)
+                sink_.add_far(index, patch, least);
+            else
+                sink_.add_patch(patch, cluster);
+        } else if (patch.child != SurfacePatch::kNone) {
+            visit(patch.child, cluster);
+            visit(patch.child + 1, cluster);
+        } else {
+            for (const std::uint32_t s : surface_.tree.samples(patch)) sink_.add_sample(s, cluster);
+        }
+    }
+
+    const BoundarySurface& surface_;
+    const PointPacket& points_;
+    Sink& sink_;
+};
+
+/// Integral of k over a patch that acts as one.
+HWY_INLINE RowVector patch_solid_angle(const SurfacePatch& patch, const Way& way, const Decay& g) {
+    const Rows d;
+    const auto flux = hn::Add(way.dot(patch.vector_area), hn::Set(d, patch.vector_first.trace()));
+    const auto k = hn::NegMulAdd(way.quadratic(patch.vector_first), g.g2, hn::Mul(flux, g.g1));
+    return hn::Mul(hn::Set(d, kInv4Pi), k);
+}
+
+/// Both layers of fluence 1 on a patch, in any channel.
+struct PatchLayers {
+    RowVector of_second, of_vector, flux;
+    float area, trace;
+
+    HWY_INLINE PatchLayers(const SurfacePatch& patch, const Way& way)
+        : of_second(hn::Mul(hn::Set(Rows(), 0.5f), way.quadratic(patch.second))),
+          of_vector(way.quadratic(patch.vector_first)),
+          flux(hn::Add(way.dot(patch.vector_area), hn::Set(Rows(), patch.vector_first.trace()))),
+          area(patch.area),
+          trace(patch.second.trace()) {}
+    HWY_INLINE RowVector operator()(const Decay& g, float single_layer) const {
+        const Rows d;
+        const auto single =
+            hn::MulAdd(hn::Set(d, area), g.g0,
+                       hn::NegMulAdd(hn::Set(d, 0.5f * trace), g.g1, hn::Mul(of_second, g.g2)));
+        const auto both = hn::NegMulAdd(flux, g.g1, hn::Mul(of_vector, g.g2));
+        return hn::MulAdd(hn::Set(d, single_layer), single, hn::Mul(hn::Set(d, kInv4Pi), both));
+    }
+};
+
+/// A sample as a point, but not nearer than makes its cell's single layer right as seen from its
+/// center.
+struct SampleLayers {
+    RowVector u, inverse, k;
+    float area;
+
+    HWY_INLINE SampleLayers(const SampledSurface& samples, std::uint32_t s,
+                            const PointPacket& points, std::size_t lane)
+        : area(samples.area[s]) {
+        const Rows d;
+        const Way way(points, lane, samples.position[s]);
+        u = hn::Max(way.u, hn::Set(d, area * kInv4Pi));
+        inverse = Decay::inverse_root(u);
+        k = hn::Mul(hn::Set(d, kInv4Pi), way.dot(area * samples.normal[s]));
+    }
+    HWY_INLINE RowVector solid_angle() const {
+        return hn::Mul(k, hn::Mul(inverse, hn::Mul(inverse, inverse)));
+    }
+    HWY_INLINE RowVector operator()(float s, float single_layer) const {
+        const Decay g(s, u, inverse);
+        return hn::NegMulAdd(k, g.g1, hn::Mul(hn::Set(Rows(), single_layer * area), g.g0));
+    }
+};
+
+/// A far patch with a fluence on it.
+HWY_INLINE RowVector add_layers(const FluencePatch& patch, const PointPacket& points,
+                                std::size_t lane, float s, RowVector sum) {
+    const Rows d;
+    const Way way(points, lane, patch.center);
+    const Decay g(s, way.u);
+    const auto flux = hn::Add(way.dot(patch.V), hn::Set(d, patch.M.trace()));
+    sum = hn::MulAdd(hn::Set(d, patch.Q), g.g0, sum);
+    sum = hn::NegMulAdd(flux, g.g1, sum);
+    return hn::MulAdd(way.quadratic(patch.M), g.g2, sum);
+}
+
+/// Keeps the coefficients of a packet of clusters.
 class PacketFiller {
 public:
     PacketFiller(const BoundarySurface& surface, BoundaryPacket& packet)
@@ -110,33 +209,14 @@ public:
 
     void fill() {
         packet_.diagonal = {};
-        visit(0, surface_.cluster_of[0]);
-    }
-
-private:
-    // `cluster` is that which the patch is part of, if any.
-    void visit(std::uint32_t index, std::uint32_t cluster) {
-        const SurfacePatch& patch = surface_.tree.patches[index];
-        if (cluster == SurfacePatch::kNone) cluster = surface_.cluster_of[index];
-        const float least = std::sqrt(least_distance2(packet_, patch.centroid));
-        if (patch.radius <= kOpening * least) {
-            if (cluster == SurfacePatch::kNone)
-                add_far(index, patch, least);
-            else
-                add_patch(patch, cluster);
-        } else if (patch.child != SurfacePatch::kNone) {
-            visit(patch.child, cluster);
-            visit(patch.child + 1, cluster);
-        } else {
-            for (const std::uint32_t s : surface_.tree.samples(patch)) add_sample(s, cluster);
-        }
+        PatchWalk(surface_, packet_, *this).run();
     }
 
     void add_far(std::uint32_t index, const SurfacePatch& patch, float least) {
         const Rows d;
         for (std::size_t i = 0; i < BoundaryPacket::kSize; i += hn::MaxLanes(d)) {
             const Way way(packet_, i, patch.centroid);
-            add_to_diagonal(i, patch, way, Decay(0, way.u));
+            add(packet_.diagonal.of + i, patch_solid_angle(patch, way, Decay(0, way.u)));
         }
         std::uint32_t channels = 0;
         for (int c = 0; c < 3; ++c)
@@ -147,57 +227,30 @@ private:
     void add_patch(const SurfacePatch& patch, std::uint32_t cluster) {
         const Rows d;
         const std::size_t entry = entry_of(cluster);
-        const float trace = patch.second.trace(), vector_trace = patch.vector_first.trace();
         for (std::size_t i = 0; i < BoundaryPacket::kSize; i += hn::MaxLanes(d)) {
             const Way way(packet_, i, patch.centroid);
             const auto inverse = Decay::inverse_root(way.u);
-            add_to_diagonal(i, patch, way, Decay(0, way.u, inverse));
-            const auto of_second = hn::Mul(hn::Set(d, 0.5f), way.quadratic(patch.second));
-            const auto of_vector = way.quadratic(patch.vector_first);
-            const auto flux = hn::Add(way.dot(patch.vector_area), hn::Set(d, vector_trace));
-            for (std::size_t c = 0; c < 3; ++c) {
-                const Decay g(surface_.s[c], way.u, inverse);
-                const auto single = hn::MulAdd(
-                    hn::Set(d, patch.area), g.g0,
-                    hn::NegMulAdd(hn::Set(d, 0.5f * trace), g.g1, hn::Mul(of_second, g.g2)));
-                const auto both = hn::NegMulAdd(flux, g.g1, hn::Mul(of_vector, g.g2));
+            add(packet_.diagonal.of + i, patch_solid_angle(patch, way, Decay(0, way.u, inverse)));
+            const PatchLayers layers(patch, way);
+            for (std::size_t c = 0; c < 3; ++c)
                 add(packet_.coefficient[c][entry].of + i,
-                    hn::MulAdd(hn::Set(d, surface_.single_layer[c]), single,
-                               hn::Mul(hn::Set(d, kInv4Pi), both)));
-            }
+                    layers(Decay(surface_.s[c], way.u, inverse), surface_.single_layer[c]));
         }
     }
 
-    // A point, but not nearer than makes its cell's single layer right as seen from its center.
     void add_sample(std::uint32_t s, std::uint32_t cluster) {
         const Rows d;
         const std::size_t entry = entry_of(cluster);
-        const float area = surface_.samples.area[s], least = area * kInv4Pi;
-        const Vec3 vector_area = area * surface_.samples.normal[s];
         for (std::size_t i = 0; i < BoundaryPacket::kSize; i += hn::MaxLanes(d)) {
-            Way way(packet_, i, surface_.samples.position[s]);
-            way.u = hn::Max(way.u, hn::Set(d, least));
-            const auto inverse = Decay::inverse_root(way.u);
-            const auto k = hn::Mul(hn::Set(d, kInv4Pi), way.dot(vector_area));
-            add(packet_.diagonal.of + i, hn::Mul(k, hn::Mul(inverse, hn::Mul(inverse, inverse))));
-            for (std::size_t c = 0; c < 3; ++c) {
-                const Decay g(surface_.s[c], way.u, inverse);
+            const SampleLayers layers(surface_.samples, s, packet_, i);
+            add(packet_.diagonal.of + i, layers.solid_angle());
+            for (std::size_t c = 0; c < 3; ++c)
                 add(packet_.coefficient[c][entry].of + i,
-                    hn::NegMulAdd(k, g.g1,
-                                  hn::Mul(hn::Set(d, surface_.single_layer[c] * area), g.g0)));
-            }
+                    layers(surface_.s[c], surface_.single_layer[c]));
         }
     }
 
-    HWY_INLINE void add_to_diagonal(std::size_t lane, const SurfacePatch& patch, const Way& way,
-                                    const Decay& g) {
-        const Rows d;
-        const auto flux =
-            hn::Add(way.dot(patch.vector_area), hn::Set(d, patch.vector_first.trace()));
-        const auto k = hn::NegMulAdd(way.quadratic(patch.vector_first), g.g2, hn::Mul(flux, g.g1));
-        add(packet_.diagonal.of + lane, hn::Mul(hn::Set(d, kInv4Pi), k));
-    }
-
+private:
     // Parts of a cluster come one after the other.
     std::size_t entry_of(std::uint32_t cluster) {
         if (packet_.near.empty() || packet_.near.back() != cluster) {
@@ -227,13 +280,7 @@ void multiply(const BoundaryPacket& packet, int channel, float s,
                              sum);
         for (const BoundaryPacket::Far& far : packet.far) {
             if ((far.channels >> channel & 1) == 0) continue;
-            const FluencePatch& patch = patches[far.patch];
-            const Way way(packet, i, patch.center);
-            const Decay g(s, way.u);
-            const auto flux = hn::Add(way.dot(patch.V), hn::Set(d, patch.M.trace()));
-            sum = hn::MulAdd(hn::Set(d, patch.Q), g.g0, sum);
-            sum = hn::NegMulAdd(flux, g.g1, sum);
-            sum = hn::MulAdd(way.quadratic(patch.M), g.g2, sum);
+            sum = add_layers(patches[far.patch], packet, i, s, sum);
         }
         hn::Store(sum, d, result.of + i);
     }
@@ -241,7 +288,71 @@ void multiply(const BoundaryPacket& packet, int channel, float s,
         result.of[k] += packet.diagonal.of[k] * phi[packet.first + k];
 }
 
-BoundarySumFunctions boundary_functions() { return {fill, multiply}; }
+/// Sums what a fluence on the surface does to points.
+class LayerSummer {
+public:
+    LayerSummer(const BoundarySurface& surface, const SurfaceFluence& fluence,
+                const PointPacket& points, SurfaceSum& result)
+        : surface_(surface),
+          fluence_(fluence),
+          points_(points),
+          s_(surface.s[std::size_t(fluence.channel)]),
+          single_layer_(surface.single_layer[std::size_t(fluence.channel)]),
+          result_(result) {}
+
+    void sum() {
+        result_ = {};
+        PatchWalk(surface_, points_, *this).run();
+    }
+
+    void add_far(std::uint32_t index, const SurfacePatch& patch, float least) {
+        const Rows d;
+        const FluencePatch& with_phi = fluence_.parents[fluence_.parent_of[index]];
+        for (std::size_t i = 0; i < PointPacket::kSize; i += hn::MaxLanes(d)) {
+            const Way way(points_, i, patch.centroid);
+            add(result_.solid_angle.of + i, patch_solid_angle(patch, way, Decay(0, way.u)));
+            if (s_ * least < kDarkExponent)
+                add(result_.layers.of + i, add_layers(with_phi, points_, i, s_, hn::Zero(d)));
+        }
+    }
+
+    void add_patch(const SurfacePatch& patch, std::uint32_t cluster) {
+        const Rows d;
+        const auto phi = hn::Set(d, fluence_.phi[cluster]);
+        for (std::size_t i = 0; i < PointPacket::kSize; i += hn::MaxLanes(d)) {
+            const Way way(points_, i, patch.centroid);
+            const auto inverse = Decay::inverse_root(way.u);
+            add(result_.solid_angle.of + i, patch_solid_angle(patch, way, Decay(0, way.u, inverse)));
+            const PatchLayers layers(patch, way);
+            add(result_.layers.of + i,
+                hn::Mul(phi, layers(Decay(s_, way.u, inverse), single_layer_)));
+        }
+    }
+
+    void add_sample(std::uint32_t s, std::uint32_t cluster) {
+        const Rows d;
+        const auto phi = hn::Set(d, fluence_.phi[cluster]);
+        for (std::size_t i = 0; i < PointPacket::kSize; i += hn::MaxLanes(d)) {
+            const SampleLayers layers(surface_.samples, s, points_, i);
+            add(result_.solid_angle.of + i, layers.solid_angle());
+            add(result_.layers.of + i, hn::Mul(phi, layers(s_, single_layer_)));
+        }
+    }
+
+private:
+    const BoundarySurface& surface_;
+    const SurfaceFluence& fluence_;
+    const PointPacket& points_;
+    float s_, single_layer_;
+    SurfaceSum& result_;
+};
+
+void sum_layers(const BoundarySurface& surface, const SurfaceFluence& fluence,
+                const PointPacket& points, SurfaceSum& result) {
+    LayerSummer(surface, fluence, points, result).sum();
+}
+
+BoundarySumFunctions boundary_functions() { return {fill, multiply, sum_layers}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace tallow

@@ -26,20 +26,26 @@ struct BoundarySurface {
     std::array<float, 3> single_layer;          // [channel] 1 / (8 pi A D), 1/mm
 };
 
-/// Neighbouring clusters, which share what is far from all of them: rows of the operator.
-struct BoundaryPacket {
+/// Points that are near to each other, which share what is far from all of them.
+struct PointPacket {
     static constexpr int kSize = 16;  // floats in the widest SIMD register there is
 
     struct alignas(64) Lanes {
         float of[kSize];
     };
+    Lanes x, y, z;  // mm
+
+    void set(int lane, Vec3 p) { x.of[lane] = p.x, y.of[lane] = p.y, z.of[lane] = p.z; }
+};
+
+/// Neighbouring clusters: rows of the operator. Lanes beyond `count` repeat the last one.
+struct BoundaryPacket : PointPacket {
     struct Far {
         std::uint32_t patch;     // above the clusters
         std::uint32_t channels;  // bit c: the channel c sees it
     };
 
     std::uint32_t first = 0, count = 0;             // clusters
-    Lanes x, y, z;                                  // mm; the last one repeated
     Lanes diagonal;                                 // sum of all k
     std::vector<std::uint32_t> near;                // clusters whose coefficients are kept
     std::array<std::vector<Lanes>, 3> coefficient;  // [channel][near]
@@ -60,6 +66,20 @@ struct alignas(64) FluencePatch {
     Symmetric M;
 };
 
+/// A fluence on the whole surface, of one channel.
+struct SurfaceFluence {
+    int channel;
+    std::span<const float> phi;                // [cluster]
+    std::span<const FluencePatch> parents;     // patches above the clusters
+    std::span<const std::uint32_t> parent_of;  // [patch] its number among them
+};
+
+/// What the surface does to points anywhere.
+struct SurfaceSum {
+    PointPacket::Lanes layers;       // both layers of phi, as in a row of the operator
+    PointPacket::Lanes solid_angle;  // sum of all a k: 1 inside, 0 outside
+};
+
 /// One instruction set's version of the work on a packet.
 struct BoundarySumFunctions {
     /// Fills all of the packet that follows from its positions.
@@ -69,6 +89,9 @@ struct BoundarySumFunctions {
     void (*multiply)(const BoundaryPacket& packet, int channel, float s,
                      std::span<const FluencePatch> patches, std::span<const float> phi,
                      BoundaryPacket::Lanes& result);
+    /// Both layers at points that are no clusters, without keeping coefficients.
+    void (*sum_layers)(const BoundarySurface& surface, const SurfaceFluence& fluence,
+                       const PointPacket& points, SurfaceSum& result);
 };
 
 /// The version for this machine's best instruction set.
