@@ -43,7 +43,7 @@ ReflectedLight::Base ReflectedLight::base_at(const ShadingPoint& point) const {
     if (const auto& total = diffuse_[point.hit.object]) {
         const auto& body = std::get<SubsurfaceMaterial>(material.kind);
         const Rgb tint = surface_tint(scene_, body.albedo, point.hit);
-        const Rgb T = exit_factor(*factors_[index], glm::dot(point.hit.n, point.w_o));
+        const float T = exit_factor(*factors_[index], glm::dot(point.hit.n, point.w_o));
         return {T * tint * tint * *total, {body.medium.eta}};
     }
     return {Rgb(0), {}};

@@ -46,7 +46,7 @@ void TileRenderer::add_multiple_scattering(std::uint32_t object, const Exitance&
     const float weight = 1.0f / float(view_.samples);
     for (const ShadingPoint& point : hits_.points) {
         if (point.hit.object != object) continue;
-        const Rgb T = exit_factor(body.factors, glm::dot(point.hit.n, point.w_o));
+        const float T = exit_factor(body.factors, glm::dot(point.hit.n, point.w_o));
         const Rgb tint = surface_tint(view_.world.scene(), body.material->albedo, point.hit);
         add(point, &Pixel::multiple, kInvPi * T * tint * exitance.M[next]);
         Pixel& pixel = pixels_[point.pixel];

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/optics/fresnel.h"
+
 namespace tallow {
 namespace {
 
@@ -13,11 +15,24 @@ constexpr float kWidth = 0.7f, kReach = 2.1f;
 
 constexpr int kMostCells = 128;  // along an axis
 
+float cosine_inside(float eta, float cos_o) {
+    return std::sqrt(1 - (1 - cos_o * cos_o) / (eta * eta));
+}
+
+// Of the cosine inside, of light of which L outside is F_t, by the midpoint rule.
+float mean_cosine_inside(float eta) {
+    constexpr int kSteps = 500;
+    float sum = 0, weights = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const float mu = (float(i) + 0.5f) / kSteps, weight = fresnel_transmittance(eta, mu) * mu;
+        sum += weight * cosine_inside(eta, mu), weights += weight;
+    }
+    return sum / weights;
+}
+
 }  // namespace
 
-ClusterRatio::ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, std::vector<Rgb> H,
-                           Rgb strength)
-    : strength_(strength) {
+ClusterNeighbours::ClusterNeighbours(const SurfaceClusters& clusters) {
     const std::size_t n = clusters.count();
     if (n == 0) return;
     Vec3 high = low_ = clusters.position[0];
@@ -32,27 +47,26 @@ ClusterRatio::ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, 
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
     items_.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
-        items_[next[cell[i]]++] = {clusters.position[i], clusters.normal[i], clusters.area[i], B[i],
-                                   H[i]};
+    for (std::uint32_t i = 0; i < n; ++i)
+        items_[next[cell[i]]++] = {clusters.position[i], clusters.normal[i], clusters.area[i], i};
 }
 
-int ClusterRatio::index(float x, int axis) const {
+int ClusterNeighbours::index(float x, int axis) const {
     const float reach = kReach * size_;
     return std::clamp(int(std::floor((x - low_[axis]) / reach)), 0, cells_[axis] - 1);
 }
 
-std::size_t ClusterRatio::cell_of(Vec3 p) const {
+std::size_t ClusterNeighbours::cell_of(Vec3 p) const {
     return (std::size_t(index(p.z, 2)) * std::size_t(cells_[1]) + std::size_t(index(p.y, 1))) *
                std::size_t(cells_[0]) +
            std::size_t(index(p.x, 0));
 }
 
-Rgb ClusterRatio::at(Vec3 position, Vec3 n) const {
-    if (items_.empty()) return Rgb(1);
+template <class F>
+void ClusterNeighbours::visit(Vec3 position, Vec3 n, const F& f) const {
+    if (items_.empty()) return;
     const float reach = kReach * size_, sigma = kWidth * size_;
     const Vec3 low = position - Vec3(reach), high = position + Vec3(reach);
-    Rgb B, H;
     for (int z = index(low.z, 2); z <= index(high.z, 2); ++z)
         for (int y = index(low.y, 1); y <= index(high.y, 1); ++y) {
             const std::size_t row =
@@ -61,21 +75,69 @@ Rgb ClusterRatio::at(Vec3 position, Vec3 n) const {
             for (std::uint32_t k = first_[row + std::size_t(index(low.x, 0))]; k < first_[end];
                  ++k) {
                 const Item& item = items_[k];
-                const Vec3 d = item.position - position;
-                const float d2 = glm::dot(d, d);
+                const float d2 = length2(item.position - position);
                 const float facing = glm::dot(n, item.normal);
                 if (d2 >= reach * reach || facing <= 0) continue;
                 // Falls to 0 at the reach, so that nothing jumps there.
                 const float edge = 1 - d2 / (reach * reach);
-                const float w =
-                    item.area * std::exp(-d2 / (2 * sigma * sigma)) * facing * facing * edge * edge;
-                B += w * item.B, H += w * item.H;
+                f(item.cluster,
+                  item.area * std::exp(-d2 / (2 * sigma * sigma)) * facing * facing * edge * edge);
             }
         }
-    Rgb ratio(1);
+}
+
+ClusterRatio::ClusterRatio(const SurfaceClusters& clusters, std::vector<Rgb> B, std::vector<Rgb> H,
+                           Rgb strength)
+    : neighbours_(clusters), B_(std::move(B)), H_(std::move(H)), strength_(strength) {}
+
+Rgb ClusterRatio::at(Vec3 position, Vec3 n) const {
+    Rgb B, H, ratio(1);
+    neighbours_.visit(position, n,
+                      [&](std::uint32_t i, float w) { B += w * B_[i], H += w * H_[i]; });
     for (int c = 0; c < 3; ++c)
         if (H[c] > 0) ratio[c] += strength_[c] * (std::clamp(B[c] / H[c], kLeast, kMost) - 1);
     return ratio;
+}
+
+LeavingField::LeavingField(const SurfaceClusters& clusters,
+                           std::span<const ClusterRadiance> radiance, std::span<const Rgb> H,
+                           std::span<const Rgb> P, const Medium& medium, bool directional,
+                           Rgb strength)
+    : neighbours_(clusters),
+      items_(clusters.count()),
+      strength_(strength),
+      eta_(medium.eta),
+      directional_(directional),
+      mean_cosine_(mean_cosine_inside(medium.eta)) {
+    const float T = float(diffuse_fresnel_transmittance(double(eta_)));
+    const Rgb f = T / (4 * eta_ * eta_) * medium.alpha_prime();
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+        items_[i].rest = P[i] - H[i], items_[i].P = P[i];
+        for (std::size_t c = 0; c < 3; ++c) {
+            items_[i].even[int(c)] = f[int(c)] * radiance[i][c].even;
+            items_[i].slope[c] = f[int(c)] * radiance[i][c].slope;
+        }
+    }
+}
+
+Rgb LeavingField::factor(Vec3 position, Vec3 n, Vec3 w_o) const {
+    const float cos_o = std::clamp(glm::dot(w_o, n), 0.0f, 1.0f);
+    const Vec3 w = directional_
+                       ? (w_o - cos_o * n) / eta_ + cosine_inside(eta_, cos_o) * n
+                       : mean_cosine_ * n;
+    Rgb F, rest, P, factor(1);
+    neighbours_.visit(position, n, [&](std::uint32_t i, float weight) {
+        const Item& item = items_[i];
+        for (int c = 0; c < 3; ++c)
+            F[c] += weight * (item.even[c] + glm::dot(item.slope[std::size_t(c)], w));
+        rest += weight * item.rest, P += weight * item.P;
+    });
+    for (int c = 0; c < 3; ++c)
+        if (P[c] > 0)
+            factor[c] += strength_[c] * (std::clamp((std::max(0.0f, F[c]) + rest[c]) / P[c],
+                                                    ClusterRatio::kLeast, ClusterRatio::kMost) -
+                                         1);
+    return factor;
 }
 
 }  // namespace tallow

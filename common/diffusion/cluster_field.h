@@ -1,20 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "common/base/rgb.h"
+#include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/surface_clusters.h"
+#include "common/optics/medium.h"
 
 namespace tallow {
+
+/// Which clusters are near a point of the surface, and how much each counts there:
+///
+///     w_j = a_j e^(-|x - x_j|^2 / (2 h^2)) max(0, n . n_j)^2
+///
+/// with h near the clusters' size.
+class ClusterNeighbours {
+public:
+    explicit ClusterNeighbours(const SurfaceClusters& clusters);
+
+    /// Calls f(cluster, weight) for all that count at a point [mm] with its unit normal.
+    template <class F>
+    void visit(Vec3 position, Vec3 n, const F& f) const;
+
+private:
+    struct Item {
+        Vec3 position, normal;
+        float area;
+        std::uint32_t cluster;
+    };
+    std::size_t cell_of(Vec3 position) const;
+    int index(float x, int axis) const;
+
+    float size_ = 0;  // of a cluster, mm
+    Vec3 low_{0};
+    int cells_[3] = {1, 1, 1};
+    std::vector<std::uint32_t> first_;  // [cell + 1] into items_
+    std::vector<Item> items_;           // cell by cell
+};
 
 /// The ratio of two fields that are known at the clusters of a surface, between them:
 ///
 ///     ratio(x, n) = sum of w_j B_j / sum of w_j H_j
-///     w_j = a_j e^(-|x - x_j|^2 / (2 h^2)) max(0, n . n_j)^2
 ///
-/// with h near the clusters' size. Clamped to [kLeast, kMost], where the body's field is lost in
-/// the rounding of its largest values.
+/// Clamped to [kLeast, kMost], where the body's field is lost in the rounding of its largest
+/// values.
 class ClusterRatio {
 public:
     static constexpr float kLeast = 0.02f, kMost = 50;
@@ -28,20 +59,45 @@ public:
     Rgb at(Vec3 position, Vec3 n) const;
 
 private:
-    struct Item {
-        Vec3 position, normal;
-        float area;
-        Rgb B, H;
-    };
-    std::size_t cell_of(Vec3 position) const;
-    int index(float x, int axis) const;
-
+    ClusterNeighbours neighbours_;
+    std::vector<Rgb> B_, H_;  // [cluster]
     Rgb strength_;
-    float size_ = 0;  // of a cluster, mm
-    Vec3 low_{0};
-    int cells_[3] = {1, 1, 1};
-    std::vector<std::uint32_t> first_;  // [cell + 1] into items_
-    std::vector<Item> items_;           // cell by cell
+};
+
+/// Exitance by the body's diffusion in place of the half-space's, as a factor of a profile's sum P:
+///
+///     factor(x, w_o) = (f F(w') + P - H) / P,   f = alpha' / (4 eta^2) 2 * integral of F_t mu
+///
+/// with all of them interpolated between clusters, F for the direction w' that refracts into w_o,
+/// and such that pi L = F_t(w_o) / (2 * integral of F_t mu) M. What the half-space's diffusion
+/// misses of the profile, P - H, is added: light that scatters only twice or thrice, near where it
+/// entered.
+///
+/// Source   docs/BODY_AWARE.md.
+class LeavingField {
+public:
+    using ClusterRadiance = std::array<LeavingRadiance, 3>;
+
+    /// All [cluster]. Without `directional` light leaves alike in all directions.
+    LeavingField(const SurfaceClusters& clusters, std::span<const ClusterRadiance> radiance,
+                 std::span<const Rgb> H, std::span<const Rgb> P, const Medium& medium,
+                 bool directional, Rgb strength);
+
+    /// At a point of the surface [mm] with its unit normal, towards w_o (unit, outside); 1 where
+    /// nothing is known. Clamped as ClusterRatio is.
+    Rgb factor(Vec3 position, Vec3 n, Vec3 w_o) const;
+
+private:
+    struct Item {
+        Rgb even, rest, P;  // even: of f F; rest: P - H
+        std::array<Vec3, 3> slope;
+    };
+    ClusterNeighbours neighbours_;
+    std::vector<Item> items_;  // [cluster]
+    Rgb strength_;
+    float eta_;
+    bool directional_;
+    float mean_cosine_;  // of w' with the normal, of all light that leaves evenly
 };
 
 }  // namespace tallow

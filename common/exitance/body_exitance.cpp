@@ -46,21 +46,6 @@ ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
     return shifts;
 }
 
-// What the half-space of a profile has in place of the boundary condition: all models but transport
-// rest on image sources.
-Rgb image_shares(const SubsurfaceMaterial& material) {
-    switch (material.model) {
-        case Model::transport:
-        case Model::normalized_diffusion:
-            return Rgb(0);
-        case Model::body_aware:
-            return map(material.medium.alpha_prime(),
-                       [](float alpha) { return float(share_of_diffusion(double(alpha))); });
-        default:
-            return Rgb(1);
-    }
-}
-
 }  // namespace
 
 BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
@@ -76,8 +61,11 @@ BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orde
     if (!wants_diffusion_ || max_channel(strength_) == 0 || body.positions.empty()) return;
     std::array<bool, 3> solved;
     for (int c = 0; c < 3; ++c) solved[std::size_t(c)] = strength_[c] > 0;
+    medium_ = material.medium;
+    directional_ = material.exit == Exit::directional;
+    // Where light leaves by its direction, that says where it came from.
+    if (directional_) shifts_.exit = {};
     diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
-                       image_shares(material),
                        cluster_wish(wish, body.area_mm2, material.medium.mean_free_path(), solved),
                        solved);
     beam_length_ = BodyDiffusion::deepest_source(material.medium);
@@ -137,13 +125,28 @@ std::string diffusion_warning(const DiffusionReport& report, double tolerance) {
 
 ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::Solution& solution,
                                   ExitanceAccuracy accuracy) const {
-    std::optional<ClusterRatio> ratio;
-    if (diffusion_ && !solution.fine.B.empty())
-        ratio.emplace(diffusion_->ratio(solution, strength_));
     // Where paths end the control variate's irradiance is not known, and its edges do not matter.
-    if (use_ == ExitanceUse::paths)
-        return {{}, lit, ExitanceKernels{kernels_->profiles}, accuracy, shifts_, std::move(ratio)};
-    return {body_, lit, *kernels_, accuracy, shifts_, std::move(ratio)};
+    const ExitanceKernels profiles{kernels_->profiles};
+    ExitanceField field(body_, lit, use_ == ExitanceUse::paths ? profiles : *kernels_, accuracy,
+                        shifts_);
+    if (!diffusion_ || solution.radiance.empty()) return field;
+    std::vector<Rgb> P;
+    if (field.needs_irradiance())
+        P = at_clusters(ExitanceField(body_, lit, profiles, accuracy, shifts_));
+    else
+        P = at_clusters(field);
+    field.correct(LeavingField(diffusion_->clusters(), solution.radiance, solution.fine.H, P, medium_,
+                               directional_, strength_));
+    return field;
+}
+
+// What the profile alone gives at the clusters.
+std::vector<Rgb> BodyExitance::at_clusters(const ExitanceField& field) const {
+    const SurfaceClusters& clusters = diffusion_->clusters();
+    std::vector<ExitancePoint> points(clusters.count());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = {clusters.position[i], clusters.normal[i], clusters.normal[i]};
+    return field.gather(points).M;
 }
 
 }  // namespace tallow

@@ -79,8 +79,12 @@ public:
                         ExitanceAccuracy accuracy) const;
 
 private:
+    std::vector<Rgb> at_clusters(const ExitanceField& field) const;
+
     const BodyView& body_;
     ExitanceUse use_;
+    Medium medium_;
+    bool directional_ = false;
     std::optional<ExitanceKernels> kernels_;
     ExitanceShifts shifts_;
     Rgb strength_;  // of the body's diffusion

@@ -38,11 +38,10 @@ ExitanceField::ExitanceField(const LitSamples& samples, std::array<KernelTable, 
 
 ExitanceField::ExitanceField(const BodyView& body, const LitSamples& samples,
                              const ExitanceKernels& kernels, ExitanceAccuracy accuracy,
-                             const ExitanceShifts& shifts, std::optional<ClusterRatio> ratio)
+                             const ExitanceShifts& shifts)
     : accuracy_(accuracy),
       unit_(kernels.profiles[0].unit()),
-      shifts_(shifts),
-      ratio_(std::move(ratio)) {
+      shifts_(shifts) {
     const ExitanceAccuracy of_terms = accuracy_of_terms(accuracy, kernels);
     std::vector<float> flux(samples.position.size());
     for (std::size_t c = 0; c < 3; ++c) {
@@ -75,7 +74,7 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
     const SumTargets targets(std::move(positions), unit_, accuracy_);
     SampleSum::Result sum;
     for (std::size_t c = 0; c < 3; ++c) {
-        if (shifts_.any()) {
+        if (shifts_.exit[c] != 0) {
             std::vector<Vec3> moved(points.size());
             parallel_for(points.size(), kGrain, [&](std::size_t i) {
                 moved[i] =
@@ -95,10 +94,11 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
     }
     if (variate_) add_control_variate(points, targets, result);
     parallel_for(points.size(), kGrain, [&](std::size_t i) {
-        if (ratio_) {
-            const Rgb ratio = ratio_->at(points[i].position, points[i].n);
-            result.M[i] *= ratio;
-            if (accuracy_.certified) result.bound[i] *= ratio;
+        if (to_body_) {
+            const ExitancePoint& at = points[i];
+            const Rgb factor = to_body_->factor(at.position, at.n, at.w_o);
+            result.M[i] *= factor;
+            if (accuracy_.certified) result.bound[i] *= factor;
         }
         result.M[i] = map(result.M[i], [](float M) { return std::max(M, 0.0f); });
     });

@@ -56,8 +56,10 @@ public:
 
     /// For samples at any distance; `samples` are those of `body` that are lit.
     ExitanceField(const BodyView& body, const LitSamples& samples, const ExitanceKernels& kernels,
-                  ExitanceAccuracy accuracy, const ExitanceShifts& shifts = {},
-                  std::optional<ClusterRatio> ratio = {});
+                  ExitanceAccuracy accuracy, const ExitanceShifts& shifts = {});
+
+    /// From now on the sums are multiplied by the factor of the body's own diffusion.
+    void correct(LeavingField to_body) { to_body_ = std::move(to_body); }
 
     /// Whether ExitancePoint::E_direct has to be filled.
     bool needs_irradiance() const { return variate_.has_value(); }
@@ -72,7 +74,7 @@ private:
     ExitanceAccuracy accuracy_;
     double unit_;
     ExitanceShifts shifts_;
-    std::optional<ClusterRatio> ratio_;
+    std::optional<LeavingField> to_body_;
     std::array<std::optional<SampleSum>, 3> sums_;
     std::optional<ControlVariate> variate_;
 };

@@ -105,7 +105,7 @@ std::optional<LightPaths::Reflection> LightPaths::meet(const Hit& hit, Vec3 w_o,
     return std::visit(
         Overloaded{
             [&](const SubsurfaceMaterial& body) {
-                const Rgb T = exit_factor(*factors_[index], cos_o);
+                const float T = exit_factor(*factors_[index], cos_o);
                 const Rgb tint = surface_tint(scene_, body.albedo, hit);
                 if (const auto& total = diffuse_[hit.object])
                     return meet_coated(hit, w_o, T * tint * tint * *total, body.medium.eta, walk);

@@ -33,9 +33,8 @@ std::unique_ptr<Profile> make_profile(Model model, const Medium& medium, int cha
         case Model::photon_beam_diffusion:
             return photon_beam_diffusion_profile(reduced);
         case Model::transport:
+        case Model::body_aware:  // what differs is what is done with it
             return transport_profile(reduced, orders);
-        case Model::body_aware:
-            return body_aware_profile(reduced, orders);
     }
     TALLOW_CHECK(false, "model {}", int(model));
 }

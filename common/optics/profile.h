@@ -17,7 +17,7 @@ enum class Model {
     normalized_diffusion,   ///< [CB15]
     photon_beam_diffusion,  ///< [HCJ13], orders >= 2
     transport,              ///< the half-space itself, by random walks
-    body_aware              ///< photon_beam_diffusion at high albedo, transport below
+    body_aware              ///< transport, corrected to the body by its own diffusion
 };
 
 /// Names as scene files spell them: "dipole", "classic-dipole", "better-dipole", ...
@@ -52,9 +52,6 @@ public:
 /// `body_aware` can tell them apart; photon_beam_diffusion always holds the orders >= 2; the others
 /// hold what their authors put in.
 enum class Orders { all, two_and_more };
-
-/// Share of photon beam diffusion in the profile of Model::body_aware; the rest is transport.
-double share_of_diffusion(double alpha_prime);
 
 /// The profile of channel `channel` of a medium.
 ///

@@ -35,6 +35,5 @@ std::unique_ptr<Profile> better_dipole_profile(const ReducedChannel& channel);
 std::unique_ptr<Profile> normalized_diffusion_profile(const ReducedChannel& channel);
 std::unique_ptr<Profile> photon_beam_diffusion_profile(const ReducedChannel& channel);
 std::unique_ptr<Profile> transport_profile(const ReducedChannel& channel, Orders orders);
-std::unique_ptr<Profile> body_aware_profile(const ReducedChannel& channel, Orders orders);
 
 }  // namespace tallow

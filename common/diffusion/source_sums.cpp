@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/diffusion/source_sums.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "common/base/parallel.h"
+#include "common/diffusion/leaving_radiance.h"
+#include "common/nbody/point_sum.h"
+#include "common/optics/fresnel.h"
+
+namespace tallow {
+namespace {
+
+// Where light first scatters along a beam, in reduced mean free paths: a quadrature of e^-t.
+struct Depth {
+    double t, weight;
+};
+constexpr Depth kDepths[] = {
+    {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
+
+constexpr float kSumTolerance = 5e-3f;
+
+// Of the distance from a source in an infinite medium, mean free paths; well below the first depth.
+constexpr double kSoftening = 0.02;
+
+// The same at points inside, which may come as near to a source as they like.
+constexpr double kSofteningInside = 0.15;
+
+// A sample that is as near as its own cell is wide does not act as a point: its cell is summed over
+// so many points instead.
+constexpr int kCellPoints = 32;
+
+// Depths at which the half-space's fluence is known, mean free paths.
+constexpr std::array kHalfSpaceNodes = {0.0, .15, .42, .85, 1.75, 3.5};
+
+Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
+
+/// Points spread evenly over a disc of the sample's area in its tangent plane.
+class Cell {
+public:
+    Cell(Vec3 normal, float area) : radius_(std::sqrt(area / std::numbers::pi_v<float>)) {
+        const Frame frame = make_frame(normal);
+        s_ = frame.s, t_ = frame.t;
+    }
+    Vec3 point(int k) const {
+        constexpr float kGoldenAngle = 2.39996323f;
+        const float r = radius_ * std::sqrt((float(k) + 0.5f) / kCellPoints);
+        return r *
+               (std::cos(kGoldenAngle * float(k)) * s_ + std::sin(kGoldenAngle * float(k)) * t_);
+    }
+
+private:
+    float radius_;
+    Vec3 s_, t_;
+};
+
+// [node] what the fluence at a depth counts in the exitance of a half-space: the integral of
+// F_t(mu) alpha' / (2 eta^2) W(mu') mu dmu.
+std::array<double, kHalfSpaceNodes.size()> exitance_weights(double alpha_prime, double eta) {
+    constexpr int kSteps = 200;
+    std::array<double, kHalfSpaceNodes.size()> sum{};
+    for (int i = 0; i < kSteps; ++i) {
+        const double mu = (i + 0.5) / kSteps;
+        const double inside = std::sqrt(1 - (1 - mu * mu) / (eta * eta));
+        const auto along = decay_weights(kHalfSpaceNodes, inside);
+        const double T = double(fresnel_transmittance(float(eta), float(mu)));
+        for (std::size_t k = 0; k < sum.size(); ++k)
+            sum[k] += T * alpha_prime / (2 * eta * eta) * along[k] * mu / kSteps;
+    }
+    return sum;
+}
+
+// 4 pi D times the fluence at depth z of a source at depth t, as SourceKernels::inside has it; all
+// in mean free paths. Of light on its way the part that the surface mirrors is left out in both.
+double fluence_in_half_space(double r2, double t, double z, double alpha_prime,
+                             const DiffusionConstants& k) {
+    constexpr double kSoft2 = kSofteningInside * kSofteningInside;
+    const double near2 = r2 + (t - z) * (t - z) + kSoft2, near = std::sqrt(near2);
+    double diffuse = half_space_fluence(r2, t + z, k);
+    if (z > 0) {
+        const double far = std::sqrt(r2 + (t + z) * (t + z));
+        diffuse += std::exp(-k.s * near) / near - std::exp(-k.s * far) / far;
+    }
+    return alpha_prime * diffuse + k.D * std::exp(-near) / near2;
+}
+
+KernelTable tabulate(const auto& kernel, double unit, double mfp, double range) {
+    return {kernel, mfp, unit, std::max(kernel(range * range) * 1e-2, 1e-30)};
+}
+
+KernelTable tabulate_infinite(const ChannelDiffusion& k, double unit, double mfp, double range) {
+    const auto kernel = [&](double r2) {
+        const double d = std::sqrt(r2 + kSoftening * kSoftening * mfp * mfp);
+        return std::exp(-k.s * d) / d;
+    };
+    return tabulate(kernel, unit, mfp, range);
+}
+
+KernelTable tabulate_inside(const ChannelDiffusion& k, double alpha_prime, double unit, double mfp,
+                            double range) {
+    const auto kernel = [&](double r2) {
+        const double d = std::sqrt(r2 + kSofteningInside * kSofteningInside * mfp * mfp);
+        return alpha_prime * std::exp(-k.s * d) / d + k.D * std::exp(-d / mfp) / (d * d);
+    };
+    return tabulate(kernel, unit, mfp, range);
+}
+
+KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double range) {
+    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
+    const auto weights = exitance_weights(reduced.alpha_prime, reduced.eta);
+    const auto kernel = [&](double r2) {
+        const double u = r2 * reduced.sigma_t_prime * reduced.sigma_t_prime;
+        double sum = 0;
+        for (const Depth& depth : kDepths)
+            for (std::size_t n = 0; n < weights.size(); ++n)
+                sum += depth.weight * weights[n] *
+                       fluence_in_half_space(u, depth.t, kHalfSpaceNodes[n], reduced.alpha_prime, k);
+        return sum * reduced.sigma_t_prime;
+    };
+    return tabulate(kernel, unit, 1 / reduced.sigma_t_prime, range);
+}
+
+}  // namespace
+
+double deepest_source_depth() { return kDepths[std::size(kDepths) - 1].t; }
+
+SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
+                             double range)
+    : unit(KernelTable::unit_near(1 / reduced.sigma_t_prime)),
+      factor(reduced.alpha_prime / (4 * std::numbers::pi * channel.D)),
+      in_infinite_medium(tabulate_infinite(channel, unit, 1 / reduced.sigma_t_prime, range)),
+      inside(tabulate_inside(channel, reduced.alpha_prime, unit, 1 / reduced.sigma_t_prime, range)),
+      leaving(tabulate_leaving(reduced, unit, range)) {}
+
+std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
+                                                   std::span<const std::int64_t> own_sample) const {
+    return sum(places, own_sample, kernels_.in_infinite_medium, std::size(kDepths),
+               [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
+}
+
+std::vector<double> SourceSums::inside(std::span<const Vec3> points) const {
+    const std::vector<std::int64_t> none(points.size(), -1);
+    return sum(points, none, kernels_.inside, std::size(kDepths),
+               [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
+}
+
+std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
+                                                   std::span<const std::int64_t> own_sample) const {
+    return sum(places, own_sample, kernels_.leaving, 1,
+               [&](std::size_t i, std::size_t) { return on_surface(i); });
+}
+
+// Beyond the end of a beam, what is mirrored of it.
+SourceSums::Source SourceSums::on_beam(std::size_t i, std::size_t depth) const {
+    const auto t = float(kDepths[depth].t * mfp_);
+    const auto weight = float(kDepths[depth].weight);
+    const Beam& beam = light_.beams[i];
+    if (t <= beam.length) return {t * light_.w_i[i], weight};
+    return {beam.length * light_.w_i[i] + (t - beam.length) * beam.w, weight * beam.reflected};
+}
+
+// Depths are in the half-space's kernel; what is left of the beam is its way along the surface.
+SourceSums::Source SourceSums::on_surface(std::size_t i) const {
+    return {float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
+}
+
+// [place] sum of the flux of samples times kernel, each sample acting at `sources` points
+// as source(sample, k) says. All are points of one tree: from afar they act together.
+template <class SourceOf>
+std::vector<double> SourceSums::sum(std::span<const Vec3> places,
+                                    std::span<const std::int64_t> own_sample,
+                                    const KernelTable& kernel, std::size_t sources,
+                                    const SourceOf& source) const {
+    const std::size_t n = light_.area.size();
+    std::vector<Vec3> positions(sources * n);
+    std::vector<float> flux(sources * n);
+    parallel_for(n, 4096, [&](std::size_t i) {
+        for (std::size_t k = 0; k < sources; ++k) {
+            const Source at = source(i, k);
+            positions[i * sources + k] = light_.position[i] + at.offset;
+            flux[i * sources + k] = at.share * light_.area[i] * light_.E_t[i][c_];
+        }
+    });
+    std::vector<OctreeNode> nodes(light_.nodes.begin(), light_.nodes.end());
+    for (OctreeNode& node : nodes)
+        node.first *= std::uint32_t(sources), node.count *= std::uint32_t(sources);
+    const PointSum point_sum(positions, flux, nodes, kernel);
+    std::vector<float> sums(places.size()), evaluations(places.size());
+    point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
+    std::vector<double> result(sums.size());
+    parallel_for(result.size(), 64, [&](std::size_t i) {
+        const double own = own_sample[i] < 0 ? 0
+                                             : own_cell(std::size_t(own_sample[i]), kernel, sources,
+                                                        source);
+        // Where samples are far apart, what is taken off for the own cell is rounding at best.
+        result[i] = kernels_.factor * std::max(0.0, double(sums[i]) + own);
+    });
+    return result;
+}
+
+// What the cell of a sample sends to its center beyond what it does as points.
+template <class SourceOf>
+double SourceSums::own_cell(std::size_t sample, const KernelTable& kernel, std::size_t sources,
+                            const SourceOf& source) const {
+    const Cell cell(light_.normal[sample], light_.area[sample]);
+    double sum = 0;
+    for (std::size_t p = 0; p < sources; ++p) {
+        const Source at = source(sample, p);
+        double mean = 0;
+        for (int k = 0; k < kCellPoints; ++k)
+            mean += kernel(double(length2(at.offset + cell.point(k)))) / kCellPoints;
+        sum += double(at.share) * (mean - kernel(double(length2(at.offset))));
+    }
+    return double(light_.area[sample] * light_.E_t[sample][c_]) * sum;
+}
+
+}  // namespace tallow
