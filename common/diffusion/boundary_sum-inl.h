@@ -30,6 +30,9 @@ using RowVector = hn::Vec<Rows>;
 // docs/BODY_AWARE.md has phi's error against an operator of samples alone.
 constexpr float kOpening = 0.12f;
 
+// The same for sums at points inside, which need not be solved with.
+constexpr float kOpeningInside = 0.25f;
+
 // Of a patch whose light has decayed by e to this power no channel sees more than the solid angle.
 constexpr float kDarkExponent = 16;
 
@@ -107,8 +110,8 @@ HWY_INLINE void add(float* to, RowVector value) {
 template <class Sink>
 class PatchWalk {
 public:
-    PatchWalk(const BoundarySurface& surface, const PointPacket& points, Sink& sink)
-        : surface_(surface), points_(points), sink_(sink) {}
+    PatchWalk(const BoundarySurface& surface, const PointPacket& points, float opening, Sink& sink)
+        : surface_(surface), points_(points), opening_(opening), sink_(sink) {}
 
     void run() { visit(0, surface_.cluster_of[0]); }
 
@@ -118,7 +121,7 @@ private:
         const SurfacePatch& patch = surface_.tree.patches[index];
         if (cluster == SurfacePatch::kNone) cluster = surface_.cluster_of[index];
         const float least = std::sqrt(least_distance2(points_, patch.centroid));
-        if (patch.radius <= kOpening * least) {
+        if (patch.radius <= opening_ * least) {
             if (cluster == SurfacePatch::kNone)
                 sink_.add_far(index, patch, least);
             else
@@ -133,6 +136,7 @@ private:
 
     const BoundarySurface& surface_;
     const PointPacket& points_;
+    float opening_;
     Sink& sink_;
 };
 
@@ -209,7 +213,7 @@ public:
 
     void fill() {
         packet_.diagonal = {};
-        PatchWalk(surface_, packet_, *this).run();
+        PatchWalk(surface_, packet_, kOpening, *this).run();
     }
 
     void add_far(std::uint32_t index, const SurfacePatch& patch, float least) {
@@ -302,7 +306,7 @@ public:
 
     void sum() {
         result_ = {};
-        PatchWalk(surface_, points_, *this).run();
+        PatchWalk(surface_, points_, kOpeningInside, *this).run();
     }
 
     void add_far(std::uint32_t index, const SurfacePatch& patch, float least) {
