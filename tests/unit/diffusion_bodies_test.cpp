@@ -49,7 +49,7 @@ public:
 
     SampledSurface surface() const { return {samples_.position, samples_.normal, samples_.area}; }
     BodyDiffusion diffusion(const Medium& medium, ClusterWish wish) const {
-        return {surface(), medium, Rgb(0), wish};
+        return {surface(), medium, wish};
     }
     BodyDiffusion::Solution solve(const BodyDiffusion& diffusion, const Medium& medium) const {
         const auto beams =
@@ -227,9 +227,9 @@ TEST(BodyDiffusion, EstimatesItsError) {
     for (std::size_t i = 0; i < fine.clusters().count(); ++i)
         for (int c = 0; c < 3; ++c) {
             const Vec3 x = fine.clusters().position[i], n = fine.clusters().normal[i];
-            const double Hs = double(of_fine.fine.Hs[i][c]), a = double(fine.clusters().area[i]);
-            const double error = Hs * double(coarse_ratio.at(x, n)[c] - fine_ratio.at(x, n)[c]);
-            squares += a * error * error, sum += a * Hs * double(fine_ratio.at(x, n)[c]), area += a;
+            const double H = double(of_fine.fine.H[i][c]), a = double(fine.clusters().area[i]);
+            const double error = H * double(coarse_ratio.at(x, n)[c] - fine_ratio.at(x, n)[c]);
+            squares += a * error * error, sum += a * H * double(fine_ratio.at(x, n)[c]), area += a;
         }
     const double error = std::sqrt(squares / area) / (sum / area);
     const double estimate = coarse.estimate_error(of_coarse);
@@ -353,7 +353,7 @@ TEST(BodyDiffusion, SolutionsOfLightsAddUp) {
 
 TEST(BodyDiffusion, ChannelsThatAreNotSolvedHaveTheRatioOne) {
     const Body body(cube(8), 0.5f, kUniform);
-    const BodyDiffusion diffusion(body.surface(), kWhite, Rgb(0), k800, {true, false, true});
+    const BodyDiffusion diffusion(body.surface(), kWhite, k800, {true, false, true});
     const auto solution = body.solve(diffusion, kWhite);
     expect_sound(diffusion, solution, "two channels");
     const Rgb at = diffusion.ratio(solution).at({0, 0, 4}, {0, 0, 1});
