@@ -94,17 +94,22 @@ void find_on_flat_triangle(const TriangleMesh& mesh, std::size_t t, const Ends& 
 /// Tries the triangles that it is called with.
 class MeshSearch {
 public:
-    MeshSearch(const TriangleMesh& mesh, const Ends& ends)
-        : mesh_(mesh), ends_(ends), cull_(ends) {}
+    MeshSearch(const TriangleMesh& mesh, const RefractionTree& tree,
+               const std::vector<BeamGate>& gates, const Ends& ends, float reach)
+        : mesh_(mesh),
+          tree_(tree),
+          gates_(gates),
+          ends_(ends),
+          cull_(ends, reach),
+          query_(beam_query(ends, reach)) {}
 
     const RefractionCull& cull() const { return cull_; }
 
-    void operator()(std::size_t t) {
-        if (!mesh_.corner_normals.empty())
-            find_on_face(SmoothTriangle(mesh_, t), ends_, cull_, patches_);
-        else if (const auto one = std::uint32_t(t);
-                 cull_.may_refract(bound_triangles(mesh_, &one, &one + 1)))
-            find_on_flat_triangle(mesh_, t, ends_, patches_);
+    void operator()(std::size_t place) {
+        if (gates_.empty())
+            find_on_face(SmoothTriangle(mesh_, tree_.order()[place]), ends_, cull_, patches_);
+        else if (gates_[place].may_hold(query_))
+            find_on_flat_triangle(mesh_, tree_.order()[place], ends_, patches_);
     }
 
     std::vector<Solution> solutions() const {
@@ -118,8 +123,11 @@ public:
 
 private:
     const TriangleMesh& mesh_;
+    const RefractionTree& tree_;
+    const std::vector<BeamGate>& gates_;  // [place in the tree's order], of a flat mesh
     const Ends& ends_;
     RefractionCull cull_;
+    BeamQuery query_;
     std::vector<Patch> patches_;
 };
 
@@ -141,17 +149,22 @@ RefractedPath make_path(const Ends& ends, const Solution& solution) {
 
 RefractedConnections::RefractedConnections(const Surface& surface, float eta)
     : surface_(surface), eta_(eta) {
-    if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) tree_.emplace(*mesh);
+    const auto* mesh = std::get_if<TriangleMesh>(&surface);
+    if (mesh == nullptr) return;
+    tree_.emplace(*mesh);
+    if (mesh->corner_normals.empty())
+        for (std::uint32_t triangle : tree_->order()) gates_.emplace_back(*mesh, triangle);
 }
 
-std::vector<RefractedPath> RefractedConnections::find(Vec3 x, const LightPoint& y) const {
+std::vector<RefractedPath> RefractedConnections::find(Vec3 x, const LightPoint& y,
+                                                      float reach) const {
     const DVec3 position(y.position);
     const Ends ends{DVec3(x), y.at_infinity ? glm::normalize(position) : position, y.at_infinity,
                     double(eta_)};
     const auto solutions =
         std::visit(Overloaded{
                        [&](const TriangleMesh& mesh) {
-                           MeshSearch search(mesh, ends);
+                           MeshSearch search(mesh, *tree_, gates_, ends, reach);
                            tree_->visit(search.cull(), search);
                            return search.solutions();
                        },
@@ -161,7 +174,9 @@ std::vector<RefractedPath> RefractedConnections::find(Vec3 x, const LightPoint& 
                    },
                    surface_);
     std::vector<RefractedPath> paths;
-    for (const Solution& solution : solutions) paths.push_back(make_path(ends, solution));
+    for (const Solution& solution : solutions)
+        if (!tree_ || glm::length(solution.patch.p - ends.x) <= double(reach))
+            paths.push_back(make_path(ends, solution));
     return paths;
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/geometry/surface.h"
 #include "common/scene/light.h"
+#include "render/beam_gate.h"
 #include "render/refraction_tree.h"
 
 namespace tallow {
@@ -29,7 +30,9 @@ struct RefractedPath {
 /// light, with curvature and interpolated normals taken into account; cos_i is that to the shading
 /// normal, which does the refracting.
 ///
-/// Meshes are searched by a hierarchy of balls and normal cones, with Newton's method at its end;
+/// Meshes are searched by a hierarchy of balls and normal cones around x. At its end stands, for
+/// flat triangles, a test whether x lies in the beam that the triangle makes of the light, for
+/// smooth ones Newton's method;
 /// ellipsoids the same way over their octants; planes, flat triangles and spheres are solved in the
 /// plane of incidence. Obstacles are not considered, other parts of the surface included. A disc
 /// encloses nothing and has no paths.
@@ -42,12 +45,17 @@ class RefractedConnections {
 public:
     RefractedConnections(const Surface& surface, float eta);
 
-    std::vector<RefractedPath> find(Vec3 x, const LightPoint& y) const;
+    /// Those that are not longer inside than `reach`, mm; with planes and spheres, all.
+    std::vector<RefractedPath> find(Vec3 x, const LightPoint& y, float reach = kInfinity) const;
+
+    /// Whether a shorter reach makes it faster: on meshes.
+    bool is_searched() const { return tree_.has_value(); }
 
 private:
     const Surface& surface_;
     float eta_;
     std::optional<RefractionTree> tree_;  // of a mesh
+    std::vector<BeamGate> gates_;         // [place in the tree's order], of a flat mesh
 };
 
 }  // namespace tallow

@@ -39,6 +39,8 @@ RefractionCull::Cone RefractionCull::cone(Vec3 d, float radius) const {
 }
 
 bool RefractionCull::may_refract(const PatchBound& bound) const {
+    const float farthest = reach_ + bound.radius;
+    if (length2(x_ - bound.center) > farthest * farthest) return false;
     const Cone to_x = cone(x_ - bound.center, bound.radius);
     const Cone to_y = y_at_infinity_ ? Cone{y_, 1, 0, 0} : cone(y_ - bound.center, bound.radius);
     const bool normals = bound.cos_cone > 0;

@@ -21,13 +21,16 @@ struct PatchBound {
 /// solution |h| = eta cos_t - cos_i is at most sqrt(eta^2 - 1), the value at grazing incidence; -h
 /// is along the normal; and the normal has y before and x behind it.
 ///
-/// Domain   eta >= 1.
+/// Parts farther from x than `reach` are refused as well.
+///
+/// Domain   eta >= 1, reach > 0, may be infinite.
 /// Source   the spindle, side and normal tests of [WZHB09] section 5, with balls for boxes.
 class RefractionCull {
 public:
-    explicit RefractionCull(const Ends& ends)
+    explicit RefractionCull(const Ends& ends, float reach = kInfinity)
         : x_(ends.x),
           y_(ends.y),
+          reach_(reach),
           y_at_infinity_(ends.y_at_infinity),
           eta_(float(ends.eta)),
           h_max_(float(std::sqrt(std::max(0.0, ends.eta * ends.eta - 1)))) {}
@@ -52,6 +55,7 @@ private:
     Cone cone(Vec3 d, float radius) const;
 
     Vec3 x_, y_;
+    float reach_;  // mm
     bool y_at_infinity_;
     float eta_, h_max_;
 };

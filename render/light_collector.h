@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/single_scatter.h"
+
+namespace tallow {
+
+/// A place inside where light is scattered towards the eye.
+struct Place {
+    std::size_t point;    // of the eye ray that it lies on
+    std::uint32_t index;  // of its light samples in the point's sequences
+    Vec3 x;               // mm
+    Vec3 w_inside;        // unit, along the eye ray away from the eye
+    Rgb weight;           // of what is scattered here in the radiance at the surface
+};
+
+/// Radiance that leaves the body, without sigma_s: sum over places of weight times the integral of
+/// p L F_t cos_i / cos_i' e^(-sigma_t s_i'), for each point. single_scatter() says how.
+class LightCollector {
+public:
+    /// Places that are best added together: what is kept of them fits into the first-level cache.
+    static constexpr std::size_t kBatch = 256;
+
+    LightCollector(const ScatteringBody& body, std::span<const EyePoint> points,
+                   std::span<Rgb> sum);
+
+    /// At most kBatch places.
+    void add(std::span<const Place> places);
+
+private:
+    /// Light on its way from a lamp to a place.
+    struct Arriving {
+        const Place* place;
+        Rgb radiance;
+        float distance;  // to the lamp
+    };
+
+    void add_straight_lines(std::span<const Place> places, std::size_t light);
+    bool enter(Arriving& light, const ShadowRay& inside, const Hit& exit, ShadowRay& outside) const;
+    void add_refracted_paths(std::span<const Place> places, std::size_t light_index);
+    void find_paths(const Place& place, std::size_t light_index);
+    void add_unblocked();
+    Vec2 light_sample(const Place& place, std::size_t light) const;
+    Rgb tint_at(Vec3 position, Vec3 n_g) const;
+    bool admits_light(Vec3 x) const;
+    void add(const Place& place, Rgb radiance) {
+        sum_[place.point] += scale_ * place.weight * radiance;
+    }
+
+    const ScatteringBody& body_;
+    std::span<const EyePoint> points_;
+    std::span<Rgb> sum_;
+    Rgb sigma_t_;
+    float reach_;  // mm
+    Rgb scale_;    // of the light's group
+    std::array<Arriving, kBatch> arriving_;
+    std::array<ShadowRay, kBatch> inside_, outside_;
+    std::array<std::optional<Hit>, kBatch> exit_;
+    std::array<bool, kBatch> occluded_;
+    std::size_t paths_ = 0;  // in the arrays, of refracted ones
+};
+
+}  // namespace tallow
