@@ -64,29 +64,21 @@ private:
         if (end) segment.length = glm::length(end->position - segment.start);
         if (segment.length <= 0) return;
         closed_.push_back(segment);
-        if (!end) return;
+        if (!end || body_.exact == nullptr) return;
         if (open.first == 0) open.first = weight_of(segment, sigma_t_);
-        reflect_inside(open, *end, next);
+        reflect(open, *end, next);
     }
 
-    // Where a ray grazed an edge from outside, by rounding, it ends.
-    void reflect_inside(const Open& open, const Hit& end, std::vector<Open>& next) const {
+    void reflect(const Open& open, const Hit& end, std::vector<Open>& next) const {
         const EyeSegment& before = open.segment;
-        const float cos_g = glm::dot(before.direction, end.n_g);
-        if (cos_g <= 0) return;
-        const float cos_n = glm::dot(before.direction, end.n);
-        const Vec3 n = cos_n > 0 ? end.n : end.n_g;
-        const float reflectance =
-            fresnel_reflectance(1 / body_.medium.eta, std::min(1.0f, cos_n > 0 ? cos_n : cos_g));
+        const auto reflection = reflect_inside(before.direction, end, body_.medium.eta);
+        if (!reflection) return;
         const Rgb throughput =
-            reflectance * before.throughput * transmittance(sigma_t_, before.length);
+            reflection->reflectance * before.throughput * transmittance(sigma_t_, before.length);
         if (mean(throughput) < kLeastShare * open.first) return;
-        Vec3 direction = glm::normalize(-reflect(before.direction, n));
-        if (glm::dot(direction, end.n_g) >= 0)
-            direction = glm::normalize(-reflect(before.direction, end.n_g));
-        const Vec3 start = body_.rays.offset_origin(end.position, end.n_g, direction);
-        next.push_back({{before.point, end.position, direction, kInfinity, throughput},
-                        {start, direction, kInfinity},
+        const Vec3 w = reflection->direction;
+        next.push_back({{before.point, end.position, w, kInfinity, throughput},
+                        {body_.rays.offset_origin(end.position, end.n_g, w), w, kInfinity},
                         open.first});
     }
 
@@ -97,6 +89,17 @@ private:
 };
 
 }  // namespace
+
+std::optional<InnerReflection> reflect_inside(Vec3 direction, const Hit& end, float eta) {
+    const float cos_g = glm::dot(direction, end.n_g), cos_n = glm::dot(direction, end.n);
+    if (cos_g <= 0) return std::nullopt;
+    const Vec3 n = cos_n > 0 ? end.n : end.n_g;
+    const float reflectance =
+        fresnel_reflectance(1 / eta, std::min(1.0f, cos_n > 0 ? cos_n : cos_g));
+    const Vec3 w = glm::normalize(-reflect(direction, n));
+    if (glm::dot(w, end.n_g) < 0) return InnerReflection{w, reflectance};
+    return InnerReflection{glm::normalize(-reflect(direction, end.n_g)), reflectance};
+}
 
 std::vector<EyeSegment> follow_eye_rays(const ScatteringBody& body,
                                         std::span<const EyePoint> points) {

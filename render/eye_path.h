@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,9 +20,19 @@ struct EyeSegment {
     Rgb throughput;     // reflectances and e^(-sigma_t s) from where the ray entered to `start`
 };
 
+/// What a surface reflects of light that meets it from inside at `end`.
+struct InnerReflection {
+    Vec3 direction;  // unit
+    float reflectance;
+};
+/// Nothing where a ray grazed an edge from outside, by rounding. Interpolated normals reflect,
+/// unless they would send light out of the body.
+std::optional<InnerReflection> reflect_inside(Vec3 direction, const Hit& end, float eta);
+
 /// Follows eye rays that are refracted into a body, and on where they are reflected inside, until
-/// what is left may bring less than 0.3 % of the light that is scattered once. Those of a point
-/// follow one another, in the order of `points`; a point has none whose ray does not enter.
+/// what is left may bring less than 0.3 % of the light that is scattered once; without `body.exact`
+/// to their first end only. Those of a point follow one another, in the order of `points`; a point
+/// has none whose ray does not enter.
 std::vector<EyeSegment> follow_eye_rays(const ScatteringBody& body,
                                         std::span<const EyePoint> points);
 

@@ -11,6 +11,7 @@
 #include "common/base/rng.h"
 #include "common/optics/fresnel.h"
 #include "common/optics/phase.h"
+#include "render/inner_light.h"
 
 namespace tallow {
 namespace {
@@ -37,6 +38,14 @@ Rgb exp(Rgb x) {
 
 }  // namespace
 
+Rgb tint_at(const ScatteringBody& body, Vec3 position, Vec3 n_g) {
+    if (!body.albedo.texture) return surface_tint(body.scene, body.albedo, {});
+    const Vec3 above = body.rays.offset_origin(position, n_g, n_g);
+    const auto hit =
+        body.rays.intersect_object({above, -n_g}, body.object, 2 * glm::length(above - position));
+    return hit ? surface_tint(body.scene, body.albedo, *hit) : Rgb(0);
+}
+
 LightCollector::LightCollector(const ScatteringBody& body, std::span<const EyePoint> points,
                                std::span<Rgb> sum)
     : body_(body),
@@ -54,6 +63,7 @@ void LightCollector::add(std::span<const Place> places) {
         else
             add_straight_lines(places, light);
     }
+    if (body_.inner != nullptr) add_inner_light(places);
 }
 
 Vec2 LightCollector::light_sample(const Place& place, std::size_t light) const {
@@ -131,7 +141,7 @@ void LightCollector::find_paths(const Place& place, std::size_t light_index) {
                             path.outside};
         arriving_[paths_++] = {&place,
                                phase * transmitted * path.spread * intensity * arrives *
-                                   tint_at(path.position, path.n_g),
+                                   tint_at(body_, path.position, path.n_g),
                                path.outside};
         if (paths_ == kBatch) add_unblocked();
     }
@@ -153,14 +163,10 @@ void LightCollector::add_unblocked() {
         if (!occluded_[k]) add(*arriving_[k].place, arriving_[k].radiance);
 }
 
-// Where only the place is known: the texture coordinates belong to a hit.
-Rgb LightCollector::tint_at(Vec3 position, Vec3 n_g) const {
-    if (!body_.albedo.texture) return surface_tint(body_.scene, body_.albedo, {});
-    const Vec3 above = body_.rays.offset_origin(position, n_g, n_g);
-    const auto hit =
-        body_.rays.intersect_object({above, -n_g}, body_.object, 2 * glm::length(above - position));
-    // Off an edge by rounding there is none.
-    return hit ? surface_tint(body_.scene, body_.albedo, *hit) : Rgb(0);
+// Its direction is not known: it is scattered as if g were 0.
+void LightCollector::add_inner_light(std::span<const Place> places) {
+    for (const Place& place : places)
+        sum_[place.point] += 0.25f * kInvPi * place.weight * body_.inner->fluence(place.x);
 }
 
 // A half-space takes light only through its opening.

@@ -19,6 +19,10 @@ struct Place {
     Rgb weight;           // of what is scattered here in the radiance at the surface
 };
 
+/// surface_tint() where only a place on the body's surface is known: texture coordinates belong to
+/// a hit. 0 where rounding finds none, off an edge.
+Rgb tint_at(const ScatteringBody& body, Vec3 position, Vec3 n_g);
+
 /// Radiance that leaves the body, without sigma_s: sum over places of weight times the integral of
 /// p L F_t cos_i / cos_i' e^(-sigma_t s_i'), for each point. single_scatter() says how.
 class LightCollector {
@@ -45,8 +49,8 @@ private:
     void add_refracted_paths(std::span<const Place> places, std::size_t light_index);
     void find_paths(const Place& place, std::size_t light_index);
     void add_unblocked();
+    void add_inner_light(std::span<const Place> places);
     Vec2 light_sample(const Place& place, std::size_t light) const;
-    Rgb tint_at(Vec3 position, Vec3 n_g) const;
     bool admits_light(Vec3 x) const;
     void add(const Place& place, Rgb radiance) {
         sum_[place.point] += scale_ * place.weight * radiance;

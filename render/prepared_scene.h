@@ -10,6 +10,7 @@
 #include "common/exitance/exit_factor.h"
 #include "common/geometry/ray_scene.h"
 #include "common/scene/scene_geometry.h"
+#include "render/inner_light.h"
 #include "render/refracted_connection.h"
 #include "render/shade.h"
 
@@ -32,6 +33,7 @@ struct PreparedBody {
     ExitanceField exitance;
     int march_steps;                                  // of a pixel; see march_steps_of_pixel()
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
+    std::optional<InnerLight> inner;                  // where it matters to single scattering
 };
 
 /// What every picture of a scene has in common, whatever its camera: the ray tracer's hierarchy,
@@ -74,6 +76,7 @@ public:
 private:
     void prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
     void prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
+    void follow_inner_light(const BodyView& view, PreparedBody& body, Stats& stats) const;
     PreparedBody prepare_body(const BodyView& view, const LitSamples& samples,
                               std::optional<PreparedBody>& before) const;
 

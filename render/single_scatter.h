@@ -11,8 +11,10 @@
 
 namespace tallow {
 
-/// A body in which light is scattered. `surface` is that of `object`; `exact`, if any, belongs to
-/// the same surface.
+class InnerLight;
+
+/// A body in which light is scattered. `surface` is that of `object`; `exact` and `inner`, if any,
+/// belong to the same surface.
 struct ScatteringBody {
     const Scene& scene;
     const RayScene& rays;
@@ -21,6 +23,7 @@ struct ScatteringBody {
     const Medium& medium;
     const RefractedConnections* exact = nullptr;
     SurfaceColor albedo{Rgb(1)};
+    const InnerLight* inner = nullptr;
 };
 
 /// Where a body is seen, from outside: dot(hit.n, w_o) > 0. Points with the same seed have steps
