@@ -25,7 +25,7 @@ constexpr float kReach = 40;
 // Refracted paths are searched up to a length that is drawn: all of them to kSure mean free paths
 // of the clearest channel, longer ones with a chance that falls as their light does. Chosen: a path
 // that is drawn rarely brings no more than one of e^-kSure.
-constexpr float kSure = 3;
+constexpr float kSure = 2;
 
 float reach(const Surface& surface, Rgb sigma_t) {
     const bool half_space = std::holds_alternative<PlaneSurface>(surface);
@@ -113,38 +113,47 @@ bool LightCollector::enter(Arriving& light, const ShadowRay& inside, const Hit& 
 }
 
 void LightCollector::add_refracted_paths(std::span<const Place> places, std::size_t light_index) {
-    for (const Place& place : places) find_paths(place, light_index);
+    queries_.clear();
+    for (const Place& place : places)
+        queries_.push_back(
+            {place.x,
+             sample_light_point(body_.scene.lights[light_index], light_sample(place, light_index)),
+             draw_reach(place, light_index)});
+    body_.exact->find(queries_, [&](std::size_t i, const RefractedPath& path) {
+        add_path(places[i], light_index, queries_[i].y, path);
+    });
     add_unblocked();
 }
 
-void LightCollector::find_paths(const Place& place, std::size_t light_index) {
-    const Light& light = body_.scene.lights[light_index];
-    const LightPoint y = sample_light_point(light, light_sample(place, light_index));
-    const float sigma = min_channel(sigma_t_);
+float LightCollector::draw_reach(const Place& place, std::size_t light_index) const {
+    if (!body_.exact->is_searched()) return kInfinity;
     const float u =
         to_unit_float(random_bits(points_[place.point].seed, 0x5ea4c8 + light_index, place.index));
-    const bool searched = body_.exact->is_searched();
-    const float farthest = searched ? (kSure - std::log1p(-u)) / sigma : kInfinity;
-    for (const RefractedPath& path : body_.exact->find(place.x, y, farthest)) {
-        const Rgb intensity = intensity_towards(light, y, -path.w_i, path.outside);
-        if (max_channel(intensity) == 0 || !std::isfinite(path.spread)) continue;
-        const float phase =
-            henyey_greenstein(body_.medium.g, -glm::dot(path.w_inside, place.w_inside));
-        const float cos_i = std::min(1.0f, glm::dot(path.w_i, path.n));
-        const float transmitted = fresnel_transmittance(body_.medium.eta, cos_i);
-        // e^(-sigma_t s) over the chance to have searched so far.
-        const float rarely = searched ? std::max(0.0f, path.inside * sigma - kSure) : 0.0f;
-        const Rgb arrives = exp(Rgb(rarely) - path.inside * sigma_t_);
-        constexpr float kShort = 1 - 1e-4f;  // stops before x_i itself
-        inside_[paths_] = {place.x, -path.w_inside, kShort * path.inside};
-        outside_[paths_] = {body_.rays.offset_origin(path.position, path.n_g, path.w_i), path.w_i,
-                            path.outside};
-        arriving_[paths_++] = {&place,
-                               phase * transmitted * path.spread * intensity * arrives *
-                                   tint_at(body_, path.position, path.n_g),
-                               path.outside};
-        if (paths_ == kBatch) add_unblocked();
-    }
+    return (kSure - std::log1p(-u)) / min_channel(sigma_t_);
+}
+
+void LightCollector::add_path(const Place& place, std::size_t light_index, const LightPoint& y,
+                              const RefractedPath& path) {
+    const Rgb intensity =
+        intensity_towards(body_.scene.lights[light_index], y, -path.w_i, path.outside);
+    if (max_channel(intensity) == 0 || !std::isfinite(path.spread)) return;
+    const float phase = henyey_greenstein(body_.medium.g, -glm::dot(path.w_inside, place.w_inside));
+    const float cos_i = std::min(1.0f, glm::dot(path.w_i, path.n));
+    const float transmitted = fresnel_transmittance(body_.medium.eta, cos_i);
+    // e^(-sigma_t s) over the chance that so long a path was searched.
+    const float unlikely = body_.exact->is_searched()
+                               ? std::max(0.0f, path.inside * min_channel(sigma_t_) - kSure)
+                               : 0.0f;
+    const Rgb arrives = exp(Rgb(unlikely) - path.inside * sigma_t_);
+    constexpr float kShort = 1 - 1e-4f;  // stops before x_i itself
+    inside_[paths_] = {place.x, -path.w_inside, kShort * path.inside};
+    outside_[paths_] = {body_.rays.offset_origin(path.position, path.n_g, path.w_i), path.w_i,
+                        path.outside};
+    arriving_[paths_++] = {&place,
+                           phase * transmitted * path.spread * intensity * arrives *
+                               tint_at(body_, path.position, path.n_g),
+                           path.outside};
+    if (paths_ == kBatch) add_unblocked();
 }
 
 // Adds the light of paths on which the body does not end before x_i, and nothing stands before the

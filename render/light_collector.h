@@ -27,16 +27,21 @@ Rgb tint_at(const ScatteringBody& body, Vec3 position, Vec3 n_g);
 /// p L F_t cos_i / cos_i' e^(-sigma_t s_i'), for each point. single_scatter() says how.
 class LightCollector {
 public:
-    /// Places that are best added together: what is kept of them fits into the first-level cache.
-    static constexpr std::size_t kBatch = 256;
-
     LightCollector(const ScatteringBody& body, std::span<const EyePoint> points,
                    std::span<Rgb> sum);
 
-    /// At most kBatch places.
+    /// How many places are best added together: many where paths are searched, because neighbours
+    /// share work.
+    std::size_t batch() const { return body_.exact != nullptr ? kSearchBatch : kBatch; }
+
+    /// At most batch() places.
     void add(std::span<const Place> places);
 
 private:
+    // Chosen: what is kept of them fits into the first-level cache.
+    static constexpr std::size_t kBatch = 256;
+    static constexpr std::size_t kSearchBatch = 4096;
+
     /// Light on its way from a lamp to a place.
     struct Arriving {
         const Place* place;
@@ -47,7 +52,9 @@ private:
     void add_straight_lines(std::span<const Place> places, std::size_t light);
     bool enter(Arriving& light, const ShadowRay& inside, const Hit& exit, ShadowRay& outside) const;
     void add_refracted_paths(std::span<const Place> places, std::size_t light_index);
-    void find_paths(const Place& place, std::size_t light_index);
+    void add_path(const Place& place, std::size_t light_index, const LightPoint& y,
+                  const RefractedPath& path);
+    float draw_reach(const Place& place, std::size_t light_index) const;
     void add_unblocked();
     void add_inner_light(std::span<const Place> places);
     Vec2 light_sample(const Place& place, std::size_t light) const;
@@ -66,6 +73,7 @@ private:
     std::array<ShadowRay, kBatch> inside_, outside_;
     std::array<std::optional<Hit>, kBatch> exit_;
     std::array<bool, kBatch> occluded_;
+    std::vector<ConnectionQuery> queries_;
     std::size_t paths_ = 0;  // in the arrays, of refracted ones
 };
 

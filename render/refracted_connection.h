@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/surface.h"
@@ -20,6 +22,13 @@ struct RefractedPath {
     float inside;   ///< length from x_i to x, mm
     float outside;  ///< length from x_i to the light, mm; infinite for one at infinity
     float spread;   ///< see below
+};
+
+/// A point inside, a light, and the longest way inside, mm.
+struct ConnectionQuery {
+    Vec3 x;
+    LightPoint y;
+    float reach = kInfinity;
 };
 
 /// The refracted connections through one body's surface.
@@ -48,6 +57,11 @@ public:
     /// Those that are not longer inside than `reach`, mm; with planes and spheres, all.
     std::vector<RefractedPath> find(Vec3 x, const LightPoint& y, float reach = kInfinity) const;
 
+    /// The same for many queries, calling use(index of the query, path); neighbours that are lit
+    /// from about the same direction are searched together, so that many take less time each.
+    using Use = std::function<void(std::size_t, const RefractedPath&)>;
+    void find(std::span<const ConnectionQuery> queries, const Use& use) const;
+
     /// Whether a shorter reach makes it faster: on meshes.
     bool is_searched() const { return tree_.has_value(); }
 
@@ -55,7 +69,12 @@ private:
     const Surface& surface_;
     float eta_;
     std::optional<RefractionTree> tree_;  // of a mesh
-    std::vector<BeamGate> gates_;         // [place in the tree's order], of a flat mesh
+    void find_together(const TriangleMesh& mesh, std::span<const ConnectionQuery> queries,
+                       std::span<const std::uint32_t> group, const Use& use) const;
+
+    // [place in the tree's order]
+    std::vector<BeamGate> gates_;     // of a flat mesh
+    std::vector<PatchBound> bounds_;  // of a smooth one
 };
 
 }  // namespace tallow

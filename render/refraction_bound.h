@@ -28,8 +28,15 @@ struct PatchBound {
 class RefractionCull {
 public:
     explicit RefractionCull(const Ends& ends, float reach = kInfinity)
+        : RefractionCull(ends, 0, 0, reach) {}
+
+    /// For all x within `x_radius` and all y within `y_radius` of the ends, directions at infinity
+    /// being points of the unit sphere.
+    RefractionCull(const Ends& ends, float x_radius, float y_radius, float reach)
         : x_(ends.x),
           y_(ends.y),
+          x_radius_(x_radius),
+          y_radius_(y_radius),
           reach_(reach),
           y_at_infinity_(ends.y_at_infinity),
           eta_(float(ends.eta)),
@@ -55,7 +62,8 @@ private:
     Cone cone(Vec3 d, float radius) const;
 
     Vec3 x_, y_;
-    float reach_;  // mm
+    float x_radius_, y_radius_;  // mm
+    float reach_;                // mm
     bool y_at_infinity_;
     float eta_, h_max_;
 };

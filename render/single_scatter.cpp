@@ -36,7 +36,7 @@ public:
           sigma_t_(body.medium.sigma_t()),
           sigma_s_(body.medium.sigma_s()),
           collector_(body, points, result) {
-        places_.reserve(LightCollector::kBatch);
+        places_.reserve(collector_.batch());
     }
 
     /// All segments of one point's ray. A step falls on one of them with a chance that is
@@ -77,7 +77,7 @@ private:
         places_.push_back({segment.point, index, segment.start + depth.s * segment.direction,
                            segment.direction,
                            sigma_s_ * segment.throughput * depth.weight / share});
-        if (places_.size() == LightCollector::kBatch) finish();
+        if (places_.size() == collector_.batch()) finish();
     }
 
     std::span<const EyePoint> points_;
