@@ -98,7 +98,7 @@ private:
 // f grows with s: Newton's method from the angle of light at x's foot, inside a shrinking bracket.
 double refraction_offset(double eta, double depth, double height, double distance) {
     constexpr int kMost = 100;           // 3 to 5 are usual
-    constexpr double kConverged = 1e-9;  // the last step: its square is below rounding
+    constexpr double kConverged = 1e-6;  // the last step; the error is about its square
     double low = 0, high = distance;
     const double sine = distance / (eta * std::sqrt(distance * distance + height * height));
     double s = sine < 1 ? std::min(distance, depth * sine / std::sqrt(1 - sine * sine)) : distance;

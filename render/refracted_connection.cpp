@@ -4,6 +4,7 @@
 #include "render/refracted_connection.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "common/base/overloaded.h"
@@ -16,7 +17,7 @@ namespace {
 
 // Queries that are searched together: at most so many, and not farther from the first than this
 // part of its reach. Chosen by time on the standard cases.
-constexpr std::size_t kGroup = 16;
+constexpr std::size_t kGroup = BeamQueries::kMost;
 constexpr float kSpan = 0.5f;
 
 /// A solution and the geometric normal of the surface there.
@@ -110,17 +111,13 @@ Ends ends_of(const ConnectionQuery& query, float eta) {
 class MeshSearch {
 public:
     MeshSearch(const TriangleMesh& mesh, const Ends& ends, float reach)
-        : mesh_(mesh),
-          ends_(ends),
-          reach_(reach),
-          cull_(ends, reach),
-          beam_(beam_query(ends, reach)) {}
+        : mesh_(mesh), ends_(ends), reach_(reach), cull_(ends, reach) {}
 
     const RefractionCull& cull() const { return cull_; }
     const Ends& ends() const { return ends_; }
 
-    void try_flat(std::uint32_t triangle, const BeamGate& gate) {
-        if (gate.may_hold(beam_)) find_on_flat_triangle(mesh_, triangle, ends_, patches_);
+    void try_flat(std::uint32_t triangle) {
+        find_on_flat_triangle(mesh_, triangle, ends_, patches_);
     }
     void try_smooth(std::uint32_t triangle, const PatchBound& bound) {
         if (cull_.may_refract(bound))
@@ -143,7 +140,6 @@ private:
     Ends ends_;
     float reach_;
     RefractionCull cull_;
-    BeamQuery beam_;
     std::vector<Patch> patches_;
 };
 
@@ -260,8 +256,10 @@ void RefractedConnections::find_together(const TriangleMesh& mesh,
     Box places, lights;
     float farthest = 0;
     searches.reserve(group.size());
+    BeamQueries beams(double{eta_});
     for (std::uint32_t i : group) {
         const Ends ends = ends_of(queries[i], eta_);
+        beams.set(searches.size(), ends, queries[i].reach);
         searches.emplace_back(mesh, ends, queries[i].reach);
         places.add(queries[i].x), lights.add(Vec3(ends.y));
         farthest = std::max(farthest, queries[i].reach);
@@ -269,11 +267,12 @@ void RefractedConnections::find_together(const TriangleMesh& mesh,
     const auto visit = [&](const RefractionCull& cull) {
         tree_->visit(cull, [&](std::size_t place) {
             const std::uint32_t triangle = tree_->order()[place];
-            for (MeshSearch& search : searches)
-                if (gates_.empty())
-                    search.try_smooth(triangle, bounds_[place]);
-                else
-                    search.try_flat(triangle, gates_[place]);
+            if (gates_.empty())
+                for (MeshSearch& search : searches) search.try_smooth(triangle, bounds_[place]);
+            else
+                for (std::uint32_t held = gates_[place].may_hold(beams); held != 0;
+                     held &= held - 1)
+                    searches[std::size_t(std::countr_zero(held))].try_flat(triangle);
         });
     };
     if (group.size() == 1) {
