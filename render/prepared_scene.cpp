@@ -65,11 +65,24 @@ void PreparedScene::prepare(Scene scene, const std::vector<std::optional<Rgb>>& 
     scene_ = std::move(scene);
     lit_ = without_dark_lights(scene_);
     prepare_bodies(diffuse, stats);
+    clear_ = find_clear_bodies();
     albedos_.clear();
     for (const Material& material : scene_.materials) albedos_.push_back(albedo(material));
     const int bounces = indirect_bounces(scene_);
     reflected_.emplace(lit_, rays_, bounces, diffuse);
     indirect_ = bounces > 0 && has_opaque_surface(scene_, diffuse);
+}
+
+// A body that is taken for a diffuse surface is opaque, unless that is because nothing scatters in
+// it.
+std::vector<bool> PreparedScene::find_clear_bodies() const {
+    std::vector<bool> clear(scene_.objects.size());
+    for (std::size_t i = 0; i < clear.size(); ++i) {
+        const SubsurfaceMaterial* material = subsurface(scene_, i);
+        clear[i] = material != nullptr && material->transmission == Switch::on &&
+                   (bodies_[i] || max_channel(material->medium.sigma_s_prime) == 0);
+    }
+    return clear;
 }
 
 void PreparedScene::prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats) {

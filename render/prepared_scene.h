@@ -67,6 +67,8 @@ public:
     const PreparedBody* body(std::uint32_t object) const {
         return bodies_[object] ? &*bodies_[object] : nullptr;
     }
+    /// [object] whether camera rays pass it; see find_primary_hits().
+    const std::vector<bool>& clear() const { return clear_; }
     const ReflectedLight& reflected() const { return *reflected_; }
     Rgb albedo_of(std::uint32_t object) const { return albedos_[scene_.objects[object].material]; }
     /// Whether surfaces reflect light that was reflected before.
@@ -76,6 +78,7 @@ public:
 private:
     void prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
     void prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
+    std::vector<bool> find_clear_bodies() const;
     void follow_inner_light(const BodyView& view, PreparedBody& body, Stats& stats) const;
     PreparedBody prepare_body(const BodyView& view, const LitSamples& samples,
                               std::optional<PreparedBody>& before) const;
@@ -88,6 +91,7 @@ private:
     std::vector<std::optional<PreparedBody>> bodies_;  // [object]
     std::optional<ReflectedLight> reflected_;
     std::vector<Rgb> albedos_;  // [material]
+    std::vector<bool> clear_;   // [object]
     bool indirect_ = false;
 };
 
