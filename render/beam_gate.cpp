@@ -42,10 +42,21 @@ Lanes3 moved(const Lanes3& a, Lanes s, Vec3 b) {
     return moved(a, s, Lanes3{all(b.x), all(b.y), all(b.z)});
 }
 
-// Of queries first, first + 1, ...; in the comments' terms.
+Lanes length(const Lanes3& a) {
+    return hn::Sqrt(hn::Add(hn::Add(hn::Mul(a.x, a.x), hn::Mul(a.y, a.y)), hn::Mul(a.z, a.z)));
+}
+
+/// Light that falls on a plane under cos_o: its squared cosine inside, not below kGrazing.
+Lanes cos_t2_of(Lanes cos_o, Lanes inverse2) {
+    const Lanes sin2 = hn::Sub(all(1), hn::Mul(cos_o, cos_o));
+    return hn::Max(hn::Sub(all(1), hn::Mul(sin2, inverse2)), all(kGrazing));
+}
+
+// Of queries first, first + 1, ...; names are those of the header.
 hn::Mask<Floats> held(const BeamGate& gate, const BeamQueries& q, std::size_t first) {
     const Floats d;
-    const Lanes zero = hn::Zero(d), one = all(1), grazing = all(kGrazing);
+    const Lanes zero = hn::Zero(d), one = all(1), inverse_eta = all(q.inverse_eta);
+    const Lanes inverse2 = hn::Mul(inverse_eta, inverse_eta);
     const Lanes3 from = {hn::Sub(hn::Load(d, &q.x[first]), all(gate.corner.x)),
                          hn::Sub(hn::Load(d, &q.y[first]), all(gate.corner.y)),
                          hn::Sub(hn::Load(d, &q.z[first]), all(gate.corner.z))};
@@ -53,21 +64,38 @@ hn::Mask<Floats> held(const BeamGate& gate, const BeamQueries& q, std::size_t fi
                       hn::Load(d, &q.wz[first])};
     const Lanes depth = hn::Neg(dot(from, gate.normal)), cos_o = dot(w, gate.normal);
     const Lanes deep = hn::Max(depth, zero);
-    const Lanes sin2_o = hn::Max(zero, hn::Sub(one, hn::Mul(cos_o, cos_o)));
-    const Lanes inverse_eta = all(q.inverse_eta), inverse2 = hn::Mul(inverse_eta, inverse_eta);
-    const Lanes cos_t2 = hn::Max(hn::Sub(one, hn::Mul(sin2_o, inverse2)), grazing);
-    const Lanes along = hn::Div(hn::Mul(deep, inverse_eta), hn::Sqrt(cos_t2));
-    const Lanes3 on_plane =
-        moved(moved(from, depth, gate.normal), along, moved(w, hn::Neg(cos_o), gate.normal));
-    const Lanes u = dot(on_plane, gate.u_of), v = dot(on_plane, gate.v_of);
-    const Lanes turned = hn::Mul(hn::Load(d, &q.turn[first]), deep);
-    const Lanes sine = hn::Min(hn::Add(hn::Sqrt(sin2_o), turned), one);
-    const Lanes least = hn::Max(hn::Sub(one, hn::Mul(hn::Mul(sine, sine), inverse2)), grazing);
-    const Lanes off = hn::Add(hn::Div(hn::Mul(turned, inverse_eta), hn::Mul(least, least)),
-                              all(kRounding / kGrazing));
-    const Lanes margin = hn::Mul(all(-gate.steep), hn::Add(all(gate.rounding), hn::Mul(deep, off)));
+    // From the corner to where light that comes from `a` would meet the plane.
+    const auto met = [&](const Lanes3& a) {
+        const Lanes cosine = dot(a, gate.normal);
+        const Lanes along =
+            hn::Div(hn::Mul(deep, inverse_eta), hn::Sqrt(cos_t2_of(cosine, inverse2)));
+        return moved(moved(from, depth, gate.normal), along,
+                     moved(a, hn::Neg(cosine), gate.normal));
+    };
+    const Lanes nearness = hn::Load(d, &q.nearness[first]);
+    const Lanes3 p0 = met(w), back = moved(from, all(-1), p0);
+    Lanes3 w1 = moved(w, nearness, back);
+    const Lanes scale = hn::Div(one, length(w1));
+    w1 = {hn::Mul(w1.x, scale), hn::Mul(w1.y, scale), hn::Mul(w1.z, scale)};
+    const Lanes3 p1 = met(w1);
+    const Lanes u = dot(p1, gate.u_of), v = dot(p1, gate.v_of);
+
+    const Lanes turned = hn::Mul(hn::Mul(nearness, all(q.turn)), deep);
+    const Lanes sin_o = hn::Sqrt(hn::Max(zero, hn::Sub(one, hn::Mul(cos_o, cos_o))));
+    const Lanes sine = hn::Min(hn::Add(sin_o, turned), one);
+    const Lanes least =
+        hn::Max(hn::Sub(one, hn::Mul(hn::Mul(sine, sine), inverse2)), all(kGrazing));
+    const Lanes slope = hn::Div(hn::Mul(deep, inverse_eta), hn::Mul(least, least));
+    const Lanes contraction =
+        hn::Min(hn::Div(hn::Mul(slope, nearness), hn::Max(hn::Sub(one, turned), all(0.1f))), one);
+    const Lanes off = hn::Mul(hn::Mul(slope, turned), contraction);
+    const Lanes margin = hn::Mul(
+        all(gate.steep),
+        hn::Add(hn::Add(all(gate.rounding), off), hn::Mul(deep, all(kRounding / kGrazing))));
     const Lanes inmost = hn::Min(hn::Min(u, v), hn::Sub(hn::Sub(one, u), v));
-    const auto hit = hn::Or(hn::Ge(inmost, margin), hn::Le(cos_t2, grazing));
+    // What is near grazing or near the light is not followed.
+    const auto unknown = hn::Or(hn::Le(least, all(kGrazing)), hn::Ge(turned, all(0.5f)));
+    const auto hit = hn::Or(hn::Ge(inmost, hn::Neg(margin)), unknown);
     const auto inside =
         hn::And(hn::Ge(depth, all(-gate.rounding)), hn::Le(depth, hn::Load(d, &q.reach[first])));
     // x behind the plane and the light before it give cos_o > 0.
@@ -99,23 +127,23 @@ std::uint32_t BeamGate::may_hold(const BeamQueries& queries) const {
     return HWY_DYNAMIC_DISPATCH(may_hold)(*this, queries);
 }
 
-BeamQueries::BeamQueries(double eta) : x{}, y{}, z{}, wx{}, wy{}, wz{}, turn{} {
+BeamQueries::BeamQueries(double eta)
+    : x{}, y{}, z{}, wx{}, wy{}, wz{}, nearness{}, inverse_eta(float(1 / eta)) {
+    constexpr double kOfAngle = 1.15;   // largest angle / sine, for angles below 48 degrees
+    constexpr double kLeastCos = 1e-3;  // without refraction there is no bound
+    const double cos_c = std::sqrt(std::max(0.0, 1 - 1 / (eta * eta)));
+    turn = float(kOfAngle / std::max(cos_c, kLeastCos));
     reach.fill(-1);
-    inverse_eta = float(1 / eta);
 }
 
 void BeamQueries::set(std::size_t lane, const Ends& ends, float reach_of) {
-    constexpr double kOfAngle = 1.15;  // largest angle / sine, for angles below 48 degrees
-    constexpr double kMostTurn = 1e6;  // without refraction
     const DVec3 to_y = ends.y_at_infinity ? ends.y : ends.y - ends.x;
     const double distance = glm::length(to_y);
-    const double cos_c = std::sqrt(std::max(0.0, 1 - 1 / (ends.eta * ends.eta)));
-    x[lane] = float(ends.x.x), y[lane] = float(ends.x.y), z[lane] = float(ends.x.z);
     const Vec3 w(to_y / distance);
+    x[lane] = float(ends.x.x), y[lane] = float(ends.x.y), z[lane] = float(ends.x.z);
     wx[lane] = w.x, wy[lane] = w.y, wz[lane] = w.z;
     reach[lane] = reach_of;
-    turn[lane] =
-        ends.y_at_infinity ? 0.0f : float(std::min(kMostTurn, kOfAngle / (cos_c * distance)));
+    nearness[lane] = ends.y_at_infinity ? 0.0f : float(1 / distance);
 }
 
 BeamGate::BeamGate(const TriangleMesh& mesh, std::size_t triangle) {
