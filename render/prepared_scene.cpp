@@ -141,7 +141,8 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, const LitSamples&
                       source,
                       std::move(exitance_of),
                       std::move(exitance),
-                      march_steps_of_pixel(material, scene_.settings, accuracy_.tolerance),
+                      march_steps_of_pixel(material, geometry_.surfaces[view.object],
+                                           scene_.settings, accuracy_.tolerance),
                       std::nullopt,
                       std::nullopt};
     if (material.single_scattering == Switch::off || material.connection == Connection::straight)
