@@ -27,7 +27,7 @@ double single_scattering_share(Model model, const Medium& medium) {
 MarchNoise march_noise(Connection connection, const Surface& surface) {
     constexpr int kMost = 1024;  // chosen: beyond, lights have to be sampled better
     if (connection == Connection::straight) return {1.25, 0.9, kMost};
-    if (std::holds_alternative<TriangleMesh>(surface)) return {1.5, 0.53, 256};
+    if (std::holds_alternative<TriangleMesh>(surface)) return {1.1, 0.55, 128};
     return {2.1, 0.9, kMost};
 }
 
