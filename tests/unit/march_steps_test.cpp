@@ -63,7 +63,7 @@ TEST(MarchSteps, FollowHowLightIsFollowed) {
                                     march_noise(Connection::exact, surface));
     };
     EXPECT_GT(steps(kMesh, 0.01), steps(kBall, 0.01));
-    EXPECT_EQ(steps(kMesh, 1e-4), 256);
+    EXPECT_EQ(steps(kMesh, 1e-4), 128);
 }
 
 TEST(MarchSteps, AreThoseOfTheSettingsIfThereAreAny) {
