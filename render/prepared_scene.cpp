@@ -2,6 +2,8 @@
 // Scene, geometry and cache -> all that does not depend on the camera.
 #include "render/prepared_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "common/base/check.h"
@@ -31,6 +33,14 @@ bool has_opaque_surface(const Scene& scene, const std::vector<std::optional<Rgb>
 RayScene build_rays(const SceneGeometry& geometry, Stats& stats) {
     const PhaseTimer timer(stats, "bvh");
     return RayScene(geometry.surfaces);
+}
+
+// In place of what was decided before, if a scene is changed.
+void decide(Plan& plan, Decision decision) {
+    std::erase_if(plan.decisions, [&](const Decision& d) {
+        return d.subject == decision.subject && d.term == decision.term;
+    });
+    plan.decisions.push_back(std::move(decision));
 }
 
 bool is_same(const ExitanceSource& a, const ExitanceSource& b) {
@@ -121,6 +131,11 @@ void PreparedScene::follow_inner_light(const BodyView& view, PreparedBody& body,
     InnerLight inner({lit_, rays_, surface(view.object), view.object, material.medium,
                       &*body.connections, material.albedo},
                      {view.positions, view.normals, view.areas}, allowed / of_picture);
+    decide(stats.plan,
+           {fmt::format("objects[{}]", view.object), "light reflected inside", !inner.empty(),
+            inner.empty() ? "left out" : "followed to where it scatters once",
+            fmt::format("{:.2g} of what is scattered once", inner.share()),
+            inner.empty() ? std::optional(inner.share() * of_picture) : std::nullopt});
     if (!inner.empty()) body.inner.emplace(std::move(inner));
 }
 
