@@ -243,7 +243,7 @@ double BodyDiffusion::estimate_error(const Solution& solution, Rgb strength) con
     }
     if (!(sum > 0)) return 0;
     const double ratio_of_counts = double(coarse_.clusters.count()) / double(n);
-    const double of_change = ratio_of_counts / std::max(1 - ratio_of_counts, 1e-3);
+    const double of_change = std::min(1.0, ratio_of_counts / std::max(1 - ratio_of_counts, 1e-3));
     return std::sqrt(square / area) / (sum / area) * of_change;
 }
 

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "common/base/errors.h"
 #include "common/base/tool_main.h"
@@ -57,14 +57,13 @@ struct Row {
     std::vector<Rgb> M, half_space;  // [point]
 };
 
-class Seconds {
+/// Processor time of all threads, which other programs disturb less than the clock on the wall.
+class CpuSeconds {
 public:
-    double operator()() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
+    double operator()() const { return double(std::clock() - start_) / CLOCKS_PER_SEC; }
 
 private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::clock_t start_ = std::clock();
 };
 
 std::vector<ExitancePoint> points_of(const BodyView& body) {
@@ -77,7 +76,7 @@ std::vector<ExitancePoint> points_of(const BodyView& body) {
 
 Row solve(const BodyExitance& exitance, const LitSamples& lit, std::span<const Beam> beams,
           std::span<const ExitancePoint> points, double build_seconds) {
-    const Seconds seconds;
+    const CpuSeconds seconds;
     const BodyDiffusion::Solution solution = exitance.solve(lit, beams);
     Row row{exitance.clusters(),
             build_seconds,
@@ -110,13 +109,14 @@ void measure(const Arguments& a, ToolRun& run) {
     require_fingerprint(a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
     const RayScene rays(geometry.surfaces);
     fmt::print(
-        "object,clusters,build_s,solve_s,megabytes,iterations,estimate,relRMSE,half_space\n");
+        "object,clusters,build_cpu_s,solve_cpu_s,megabytes,iterations,estimate,relRMSE,half_"
+        "space\n");
     for (const BodyView& body : cache.view().bodies) {
         const LitSamples lit = light_samples(body, scene.groups);
         const auto points = points_of(body);
         std::vector<Row> rows;
         for (const std::size_t n : numbers) {
-            const Seconds seconds;
+            const CpuSeconds seconds;
             const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths,
                                         DiffusionWish{0.01, n});
             const double build_seconds = seconds();

@@ -238,6 +238,60 @@ TEST(Pipeline, CertificateHoldsInEveryPixel) {
     }
 }
 
+// The certificate is about the sum; the body's solve is the same for any accuracy of the sums.
+TEST(Pipeline, CertificateHoldsForBodyAwareMaterials) {
+    const path folder = pyramid_folder();
+    const std::string model = "materials.stone.model=body-aware";
+    make_cache(folder, {"--spacing", "0.25", "--set", model});
+    ASSERT_EQ(
+        render_to(folder, "plain.exr", {"--tolerance", "0", "--aovs", "exitance", "--set", model})
+            .exit_code,
+        0);
+    ASSERT_EQ(render_to(folder, "fast.exr", {"--certify", "0.01", "--aovs", "all", "--set", model})
+                  .exit_code,
+              0);
+    for (const char* c : {"R", "G", "B"}) {
+        const auto plain = channel(folder / "plain.exr", fmt::format("exitance.{}", c));
+        const auto fast = channel(folder / "fast.exr", fmt::format("exitance.{}", c));
+        const auto bound = channel(folder / "fast.exr", fmt::format("error_bound.{}", c));
+        for (std::size_t i = 0; i < plain.size(); ++i) {
+            ASSERT_LE(std::abs(double(fast[i]) - plain[i]), bound[i] + 1e-6 * plain[i]);
+            ASSERT_LE(bound[i], 0.0101 * plain[i]);
+        }
+    }
+}
+
+// Bodies of very different size that touch, one of them unlit, one channel that absorbs all, a few
+// samples, a single light behind: rendering fails where a pixel is not finite.
+TEST(Pipeline, BodyAwareScenesOfManyKindsRender) {
+    const path folder = fresh_folder();
+    write_bytes(folder / "scene.yaml", R"(
+cameras:
+  main: {type: perspective, position: [4, 6, 30], look_at: [0, 0, 0], fov_deg: 50, resolution: [40, 32]}
+materials:
+  stone: {type: subsurface, sigma_s_prime: [1, 1, 0], sigma_a: [0, 0.1, 2], eta: 1.4, model: body-aware}
+  coal: {type: subsurface, sigma_s_prime: [1e-3, 1, 1], sigma_a: [20, 20, 1e-3], eta: 1.5, model: body-aware}
+  floor: {type: diffuse, reflectance: 0.4}
+objects:
+  - {shape: sphere, center: [0, 0, 0], radius: 6, material: stone}
+  - {shape: cube, center: [6.1, 0, 0], size: 0.2, material: stone}
+  - {shape: cube, center: [-8, 0, 0], size: [4, 4, 0.01], material: coal}
+  - {shape: sphere, center: [0, 2, 60], radius: 1, material: coal}
+  - {shape: plane, point: [0, -6, 0], normal: [0, 1, 0], material: floor}
+lights:
+  - {type: point, position: [0, 9, -20], intensity: 2000}
+settings: {samples: 1, light_samples: 4, tolerance: 0.05, bounces: 1}
+)");
+    make_cache(folder, {"--everything", "--points", "40000"});
+    const Result result =
+        render_to(folder, "image.exr", {"--everything", "--stats", (folder / "s.json").string()});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::string stats = read_bytes(folder / "s.json");
+    EXPECT_NE(stats.find("\"objects[0].diffusion\": "), std::string::npos) << stats;
+    EXPECT_NE(stats.find("\"diffusion\": "), std::string::npos);
+    EXPECT_NE(stats.find("\"diffusion_iterations\": "), std::string::npos);
+}
+
 TEST(Pipeline, OneCacheServesEveryCameraMediumAndGroupScale) {
     const path folder = pyramid_folder();
     make_cache(folder);
