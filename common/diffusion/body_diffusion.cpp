@@ -119,7 +119,7 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         std::vector<float> phi;
         reports[c] = solve_channel(int(c), sums.in_infinite_medium(places, own),
                                    sums.leaving_half_space(places, own), result, phi);
-        if (!phi.empty()) find_radiance(int(c), sums, phi, result.radiance);
+        if (!phi.empty()) find_radiance(int(c), sums, phi, own, result.radiance);
     });
     for (const ChannelReport& report : reports) {
         result.iterations = std::max(result.iterations, report.iterations);
@@ -162,6 +162,7 @@ BodyDiffusion::ChannelReport BodyDiffusion::solve_channel(int c, const std::vect
 
 // The fluence inside along the ways on which light leaves each cluster, and what leaves of it.
 void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
+                                  std::span<const std::int64_t> own_sample,
                                   std::vector<ClusterRadiance>& radiance) const {
     static_assert(LeavingRays::kDirections * LeavingRays::kNodes == PointPacket::kSize);
     const ReducedChannel reduced = reduced_channel(medium_, c);
@@ -170,6 +171,7 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
     const std::size_t n = fine_.clusters.count();
     std::vector<PointPacket> packets(n);
     std::vector<Vec3> points(n * PointPacket::kSize);
+    std::vector<std::int64_t> own(points.size());
     const auto rays = [&](std::size_t i) {
         return LeavingRays(fine_.clusters.position[i], fine_.clusters.normal[i],
                            1 / reduced.sigma_t_prime);
@@ -179,8 +181,9 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
             const Vec3 x = rays(i).place(k / LeavingRays::kNodes, k % LeavingRays::kNodes);
             packets[i].set(int(k), x);
             points[i * PointPacket::kSize + k] = x;
+            own[i * PointPacket::kSize + k] = own_sample[i];
         }
-    const std::vector<double> sources = sums.inside(points);
+    const std::vector<double> sources = sums.inside(points, own);
     const std::vector<SurfaceSum> layers =
         fine_.equation->sum_layers(samples_, tree_, c, phi, packets);
     parallel_for(n, 64, [&](std::size_t i) {

@@ -87,6 +87,7 @@ private:
     ChannelReport solve_channel(int c, const std::vector<double>& S, const std::vector<double>& H,
                                 Solution& result, std::vector<float>& phi) const;
     void find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
+                       std::span<const std::int64_t> own_sample,
                        std::vector<ClusterRadiance>& radiance) const;
 
     Medium medium_;

@@ -33,8 +33,9 @@ constexpr double kSofteningInside = 0.15;
 // so many points instead.
 constexpr int kCellPoints = 32;
 
-// Depths at which the half-space's fluence is known, mean free paths.
-constexpr std::array kHalfSpaceNodes = {0.0, .15, .42, .85, 1.75, 3.5};
+// Depths at which the half-space's fluence is known, mean free paths: those of LeavingRays at the
+// mean cosine inside, 0.85, so that both miss the same.
+constexpr std::array kHalfSpaceNodes = {.085, .34, .935, 2.125};
 
 Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
 
@@ -80,10 +81,8 @@ double fluence_in_half_space(double r2, double t, double z, double alpha_prime,
     constexpr double kSoft2 = kSofteningInside * kSofteningInside;
     const double near2 = r2 + (t - z) * (t - z) + kSoft2, near = std::sqrt(near2);
     double diffuse = half_space_fluence(r2, t + z, k);
-    if (z > 0) {
-        const double far = std::sqrt(r2 + (t + z) * (t + z));
-        diffuse += std::exp(-k.s * near) / near - std::exp(-k.s * far) / far;
-    }
+    const double far = std::sqrt(r2 + (t + z) * (t + z));
+    diffuse += std::exp(-k.s * near) / near - std::exp(-k.s * far) / far;
     return alpha_prime * diffuse + k.D * std::exp(-near) / near2;
 }
 
@@ -141,9 +140,9 @@ std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
                [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
 }
 
-std::vector<double> SourceSums::inside(std::span<const Vec3> points) const {
-    const std::vector<std::int64_t> none(points.size(), -1);
-    return sum(points, none, kernels_.inside, std::size(kDepths),
+std::vector<double> SourceSums::inside(std::span<const Vec3> points,
+                                       std::span<const std::int64_t> own_sample) const {
+    return sum(points, own_sample, kernels_.inside, std::size(kDepths),
                [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
 }
 
@@ -192,27 +191,30 @@ std::vector<double> SourceSums::sum(std::span<const Vec3> places,
     point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
     std::vector<double> result(sums.size());
     parallel_for(result.size(), 64, [&](std::size_t i) {
-        const double own = own_sample[i] < 0 ? 0
-                                             : own_cell(std::size_t(own_sample[i]), kernel, sources,
-                                                        source);
+        const double own =
+            own_sample[i] < 0
+                ? 0
+                : own_cell(places[i], std::size_t(own_sample[i]), kernel, sources, source);
         // Where samples are far apart, what is taken off for the own cell is rounding at best.
         result[i] = kernels_.factor * std::max(0.0, double(sums[i]) + own);
     });
     return result;
 }
 
-// What the cell of a sample sends to its center beyond what it does as points.
+// What the cell of a sample sends to a place near it beyond what it does as points.
 template <class SourceOf>
-double SourceSums::own_cell(std::size_t sample, const KernelTable& kernel, std::size_t sources,
-                            const SourceOf& source) const {
+double SourceSums::own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel,
+                            std::size_t sources, const SourceOf& source) const {
     const Cell cell(light_.normal[sample], light_.area[sample]);
+    const Vec3 to_sample = light_.position[sample] - place;
     double sum = 0;
     for (std::size_t p = 0; p < sources; ++p) {
         const Source at = source(sample, p);
+        const Vec3 d = to_sample + at.offset;
         double mean = 0;
         for (int k = 0; k < kCellPoints; ++k)
-            mean += kernel(double(length2(at.offset + cell.point(k)))) / kCellPoints;
-        sum += double(at.share) * (mean - kernel(double(length2(at.offset))));
+            mean += double(kernel(length2(d + cell.point(k)))) / kCellPoints;
+        sum += double(at.share) * (mean - double(kernel(length2(d))));
     }
     return double(light_.area[sample] * light_.E_t[sample][c_]) * sum;
 }

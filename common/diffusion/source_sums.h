@@ -66,7 +66,8 @@ public:
                                            std::span<const std::int64_t> own_sample) const;
 
     /// The same at points inside, of light that is to scatter for the last time.
-    std::vector<double> inside(std::span<const Vec3> points) const;
+    std::vector<double> inside(std::span<const Vec3> points,
+                               std::span<const std::int64_t> own_sample) const;
 
     /// H: exitance of the half-space that has these sources, of light that scattered twice or more;
     /// what `inside` and the layers are for a body.
@@ -86,8 +87,8 @@ private:
                             const KernelTable& kernel, std::size_t sources,
                             const SourceOf& source) const;
     template <class SourceOf>
-    double own_cell(std::size_t sample, const KernelTable& kernel, std::size_t sources,
-                    const SourceOf& source) const;
+    double own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel,
+                    std::size_t sources, const SourceOf& source) const;
 
     const EnteringLight& light_;
     const SourceKernels& kernels_;

@@ -208,7 +208,7 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
 }
 
 TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
-    const LitSurface block = lit_plate(20, 0.6);
+    const LitSurface block = lit_plate(20, 0.3);
     const BodyDiffusion diffusion(block.surface(), medium(0.3f), k1000);
     const auto solution = diffusion.solve(block.light());
     // A profile that is what diffusion gives: nothing is to be put right.
@@ -253,7 +253,7 @@ TEST(BoundaryOperator, KnowsTheFluenceInside) {
                 at_center += SphereSolutions(k, 0).inside(a, q);
             }
             const double expected = at_center * std::sinh(x) / x;  // regular(0) is 1
-            EXPECT_NEAR(sum.solid_angle.of[i], 1, 2e-3);
+            EXPECT_NEAR(sum.solid_angle.of[i], 1, 0.01);
             EXPECT_NEAR(S - double(sum.layers.of[i]), expected, 0.01 * expected)
                 << "sigma_a " << sigma_a << " r " << radius[i];
         }

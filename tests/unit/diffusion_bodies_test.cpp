@@ -91,7 +91,7 @@ void expect_sound(const BodyDiffusion& diffusion, const BodyDiffusion::Solution&
                   const std::string& what) {
     EXPECT_TRUE(solution.converged) << what;
     for (const auto* fields : {&solution.fine, &solution.coarse})
-        for (const auto* values : {&fields->B, &fields->Hs})
+        for (const auto* values : {&fields->B, &fields->H})
             for (const Rgb& value : *values)
                 for (int c = 0; c < 3; ++c)
                     ASSERT_TRUE(std::isfinite(value[c]) && value[c] >= 0)
