@@ -12,7 +12,7 @@ namespace {
 // Clusters of a body at a tolerance of 1 %; their number is inverse to the tolerance. Chosen for
 // time: docs/BODY_AWARE.md has error, time and memory against their number.
 constexpr std::size_t kLeastClusters = 1000;
-constexpr double kMostClusters = 3000, kMostClustersEver = 32000;
+constexpr double kMostClusters = 2000, kMostClustersEver = 32000;
 
 // Light cannot tell a surface from one that is smoothed over a mean free path: clusters need not be
 // smaller. `solved` are the channels that count.
