@@ -62,12 +62,11 @@ public:
 
     /// Estimated relRMSE of the exitance of all channels by the size of the clusters.
     ///
-    ///     error = |M_N - M_n| min(1, n / (N - n)),   n clusters about N / 4
+    ///     error = |M_N - M_n| / max(1, (N / n)^(2/3) - 1),   n clusters about N / 4
     ///
-    /// that is, for an error that falls as 1 / N. Where edges make n nearly as large as N, all of
-    /// the change is taken. Error    within a factor of two of the error against many more clusters
-    /// (measured, see
-    ///          docs/BODY_AWARE.md); too small where n and N are the same, as with few samples.
+    /// that is, for an error that falls as N^(-2/3).
+    /// Error    within a factor of two of the error against many more clusters (measured,
+    ///          docs/BODY_AWARE.md); too small where n is nearly N, as with few samples.
     double estimate_error(const Solution& solution, Rgb strength = Rgb(1)) const;
 
     const SurfaceClusters& clusters() const { return fine_.clusters; }

@@ -30,8 +30,9 @@ double normal_variance(const PatchTree& tree, const SurfaceClusters& clusters);
 
 /// The largest patches of the tree without edges of at most `largest_area` [mm^2], in the order of
 /// their samples; more than the area would need where the surface has edges, at most one a sample.
-/// `largest_area` is at least that of the tree.
+/// `largest_area` is at least that of the tree. Patches with edges count, too, whose normals have
+/// at most `largest_variance`: 1/2 for two faces at right angles, 1 for two sides of a sheet.
 SurfaceClusters cut_clusters(const SampledSurface& samples, const PatchTree& tree,
-                             double largest_area);
+                             double largest_area, double largest_variance = 0);
 
 }  // namespace tallow

@@ -213,8 +213,7 @@ TEST(BoundaryOperator, PatchesActAsTheirSamples) {
     }
 }
 
-// The estimate is that of the error against many more clusters, within a factor of two. Measured:
-// 0.8 % of 1.5 %.
+// The estimate is that of the error against many more clusters, within a factor of two.
 TEST(BodyDiffusion, EstimatesItsError) {
     const Medium medium{Rgb(0.01f, 0.03f, 0.1f), Rgb(1, 1.4f, 2), 0, 1.4f};
     const Body body(test::bumpy_mesh(5), 0.25f,
