@@ -1,51 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 
 #include "common/base/errors.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
-#include "common/cloud/scene_fingerprint.h"
 #include "common/exitance/scene_plan.h"
 #include "common/image/exr_io.h"
 #include "common/image/png_io.h"
 #include "common/scene/scene_yaml.h"
 #include "render/arguments.h"
+#include "render/check_cache.h"
 #include "render/render_image.h"
 
 using namespace tallow;
 
 namespace {
-
-/// The cache, checked against the scene; an empty one if nothing in the scene needs it.
-std::optional<MappedCache> open_cache(const Arguments& a, const ScenePlan& planned,
-                                      const SceneGeometry& geometry) {
-    const Scene& scene = planned.scene;
-    std::vector<std::uint32_t> needed;  // objects whose samples the picture needs
-    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (subsurface(scene, i) != nullptr && planned.treatment[i] == Treatment::samples)
-            needed.push_back(i);
-    if (!a.cache) {
-        if (!needed.empty())
-            throw UsageError(
-                "--cache: expected a cache file, because the scene has translucent "
-                "bodies; make one with tallow-precompute");
-        return std::nullopt;
-    }
-    MappedCache cache(*a.cache);
-    require_fingerprint(*a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
-    for (const std::uint32_t object : needed)
-        if (std::ranges::find(cache.view().bodies, object, &BodyView::object) ==
-            cache.view().bodies.end())
-            throw InputError(
-                fmt::format("{}: has no samples of objects[{}]: the cameras and the tolerance that "
-                            "it was made for "
-                            "did not need them; re-run tallow-precompute with these",
-                            a.cache->string(), object));
-    return cache;
-}
 
 void add_lights(Plan& plan, const Scene& scene) {
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
@@ -115,6 +86,20 @@ Input read_input(const Arguments& a, Stats& stats) {
     return input;
 }
 
+/// The cache, checked against the scene; an empty one if nothing in the scene needs it.
+std::optional<MappedCache> open_cache(const Arguments& a, const Input& input) {
+    if (!a.cache) {
+        if (!bodies_to_sample(input.planned).empty())
+            throw UsageError(
+                "--cache: expected a cache file, because the scene has translucent "
+                "bodies; make one with tallow-precompute");
+        return std::nullopt;
+    }
+    MappedCache cache(*a.cache);
+    require_cache_of(input.planned, input.geometry, *a.cache, cache.view());
+    return cache;
+}
+
 decltype(Image::metadata) describe(const Arguments& a, const Input& input, const Camera& view,
                                    const CacheView& cache, const Stats& stats) {
     decltype(Image::metadata) metadata = {
@@ -152,7 +137,7 @@ void render(const Arguments& a, ToolRun& run) {
     }
     note_double_counting(input.planned.scene, run.progress);
     PhaseTimer map_timer(run.stats, "map");
-    const std::optional<MappedCache> cache = open_cache(a, input.planned, input.geometry);
+    const std::optional<MappedCache> cache = open_cache(a, input);
     map_timer.stop();
     const CacheView cached = cache ? cache->view() : CacheView{};
     const PreparedScene world(input.planned.scene, input.geometry, cached, input.accuracy,

@@ -101,6 +101,7 @@ void TileRenderer::add_light_of_body(std::uint32_t object, const Exitance& exita
 
 // To each area light.
 int TileRenderer::shadow_rays() const {
+    if (view_.quality == Quality::draft) return 1;
     return std::max(1, shadow_rays_of_pixel(view_.world.accuracy().tolerance) / view_.samples);
 }
 

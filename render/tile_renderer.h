@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "render/film.h"
@@ -10,11 +11,18 @@
 
 namespace tallow {
 
+/// How much of a picture is computed: everything, or what has to be there at once while a camera
+/// moves. A draft has no single scattering, no light that opaque surfaces get from one another, and
+/// one shadow ray to each light.
+enum class Quality { full, draft };
+
 /// What is looked at, from where, with how many camera rays a pixel.
 struct View {
     const PreparedScene& world;
     const Camera& camera;
     int samples;
+    Quality quality = Quality::full;
+    std::stop_token stop{};  ///< asked between tiles
 };
 
 /// The pixels of a tile, filled pass by pass, and what the camera rays of the pass have met. Each
@@ -26,6 +34,8 @@ public:
 
     /// Starts a pass.
     void find_hits(SampleRange range);
+    /// Ends it: what was met is forgotten.
+    void forget_hits() { hits_ = {}, vertices_ = {}; }
 
     /// The points of a body that were hit; `points` has room for all that are counted.
     std::size_t count_points(std::uint32_t object) const;
@@ -44,6 +54,7 @@ public:
 
     const Tile& tile() const { return tile_; }
     const std::vector<Pixel>& pixels() const { return pixels_; }
+    std::vector<Pixel> take_pixels() && { return std::move(pixels_); }
 
 private:
     int shadow_rays() const;
