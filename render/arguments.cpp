@@ -131,17 +131,6 @@ Tile parse_crop(const std::string& text, const Camera& camera) {
     return {v[0], v[1], v[2], v[3]};
 }
 
-const Camera& find_camera(const Scene& scene, const std::string& name) {
-    if (name.empty()) return scene.cameras.front();
-    std::vector<std::string> names;
-    for (const Camera& camera : scene.cameras) {
-        if (camera.name == name) return camera;
-        names.push_back(camera.name);
-    }
-    throw UsageError(
-        fmt::format("--camera: expected one of {}, got '{}'", fmt::join(names, ", "), name));
-}
-
 std::optional<FrameRange> frames_of(const Arguments& a) {
     return a.frames.empty() ? std::nullopt : std::optional(parse_frames(a.frames));
 }

@@ -12,6 +12,7 @@
 #include "common/scene/scene_yaml.h"
 #include "render/arguments.h"
 #include "render/check_cache.h"
+#include "render/find_camera.h"
 #include "render/render_image.h"
 
 using namespace tallow;
