@@ -22,6 +22,7 @@ namespace tallow {
 ///     shading_points   on bodies, in this draft or pass
 ///     tolerance, largest_bound (if certified), rss_mb: resident memory
 ///     aov, x_mm, y_mm, z_mm: what is shown, from where
+///     primary_ms, exitance_ms, single_ms, surface_ms, indirect_ms: where the time went
 class FrameLog {
 public:
     /// Throws OutputError.

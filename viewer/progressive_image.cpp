@@ -51,6 +51,7 @@ ProgressiveImage::ProgressiveImage(const PreparedScene& world, Camera camera, in
 
 bool ProgressiveImage::add_pass() {
     const Stopwatch watch;
+    stats_.seconds.clear();
     const std::int64_t points_before = counts_.exitance_points;
     for (BandRenderer& band : bands_)
         if (!band.add_samples({done_, done_ + 1, view_.samples})) return false;
@@ -66,6 +67,7 @@ ViewFrame ProgressiveImage::frame() const {
     frame.samples = done_;
     frame.wanted_samples = view_.samples;
     frame.shading_points = points_of_pass_;
+    frame.seconds = stats_.seconds;
     frame.milliseconds = milliseconds_;
     for (const BandRenderer& band : bands_)
         for (const TileRenderer& tile : band.tiles()) frame.tiles.push_back({tile.tile(), {}});
@@ -102,6 +104,7 @@ std::optional<ViewFrame> draw_draft(const PreparedScene& world, const Camera& ca
             frame.tiles.push_back(std::move(tile));
     }
     frame.shading_points = counts.exitance_points;
+    frame.seconds = stats.seconds;
     describe_accuracy(world, frame);
     frame.milliseconds = watch.milliseconds();
     return frame;

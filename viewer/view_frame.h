@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "common/scene/camera.h"
@@ -20,8 +22,9 @@ struct ViewFrame {
     bool certified = false;
     float largest_bound = 0;  // relative, over pixels and channels; if certified
     std::int64_t shading_points = 0;
-    double milliseconds = 0;        // that it took to compute
-    std::vector<TilePixels> tiles;  // cover the picture; means over the rays so far
+    double milliseconds = 0;                // that it took to compute
+    std::map<std::string, double> seconds;  // of its phases, as --stats names them
+    std::vector<TilePixels> tiles;          // cover the picture; means over the rays so far
 
     bool finished() const { return !draft && samples == wanted_samples; }
 };
