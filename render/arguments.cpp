@@ -69,6 +69,10 @@ void declare(CommandLine& line, Arguments& a) {
               "LIST");
     line.number("--exposure", a.exposure, -64, 64, "a number in [-64, 64]",
                 "Brightness of a PNG in stops [default: 0]");
+    line.optional_text("--preview", a.preview,
+                       "Show tiles as they are finished in a tev that is running [default: "
+                       "127.0.0.1:14158]",
+                       "HOST:PORT");
     line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
     line.flag("--everything", a.everything, "Compute also what the plan would leave out");
     line.text_list("--set", a.overrides, "Override a value of the scene, e.g. groups.key.scale=2",

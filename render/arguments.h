@@ -22,6 +22,7 @@ struct Arguments {
     std::string camera, frames, crop, aovs = "none", criterion = "error";
     std::optional<double> tolerance, certify, exposure;
     std::optional<int> samples;
+    std::optional<std::string> preview;
     bool plan = false, everything = false;
 };
 

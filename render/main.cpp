@@ -14,6 +14,7 @@
 #include "render/check_cache.h"
 #include "render/find_camera.h"
 #include "render/render_image.h"
+#include "render/tev_preview.h"
 
 using namespace tallow;
 
@@ -117,10 +118,14 @@ decltype(Image::metadata) describe(const Arguments& a, const Input& input, const
     return metadata;
 }
 
+std::filesystem::path output_of_frame(const Arguments& a, const std::string& name, int frame) {
+    return a.frames.empty() ? std::filesystem::path(name) : frame_file(name, frame);
+}
+
 void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
     const PhaseTimer timer(run.stats, "write");
-    for (const std::filesystem::path name : a.outputs) {
-        const auto output = a.frames.empty() ? name : frame_file(name, frame);
+    for (const std::string& name : a.outputs) {
+        const auto output = output_of_frame(a, name, frame);
         if (output.extension() == ".exr")
             write_exr(output, image);
         else
@@ -129,9 +134,45 @@ void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
     }
 }
 
+/// Shows a frame's tiles in a tev, if one is there, under the name of the first output.
+class FramePreview {
+public:
+    FramePreview(const Arguments& a, Progress& progress) : a_(a), progress_(progress) {
+        if (a.preview) tev_.emplace(parse_tev_address(*a.preview));
+        warn();
+    }
+
+    /// `options` are then told to send tiles. It must outlive the rendering.
+    void begin(const Camera& view, RenderOptions& options) {
+        if (!tev_) return;
+        const std::string name = output_of_frame(a_, a_.outputs.front(), view.frame).string();
+        tev_->create(name, develop(view, {0, 0, 0, 0}, {}, options.layers));
+        options.on_tile = [this, name, &view, &options](const Tile& tile,
+                                                        std::span<const Pixel> pixels) {
+            tev_->update(name, develop(view, tile, pixels, options.layers));
+            warn();
+        };
+        warn();
+    }
+
+private:
+    // Once: the picture is rendered all the same.
+    void warn() {
+        if (!tev_ || tev_->problem().empty() || warned_) return;
+        progress_.note("tallow-render: warning: " + tev_->problem());
+        warned_ = true;
+    }
+
+    const Arguments& a_;
+    Progress& progress_;
+    std::optional<TevPreview> tev_;
+    bool warned_ = false;
+};
+
 void render(const Arguments& a, ToolRun& run) {
     if (!a.plan) require_image_names(a);
-    const Input input = read_input(a, run.stats);
+    if (a.preview) parse_tev_address(*a.preview);  // refused before any work
+    Input input = read_input(a, run.stats);
     if (a.plan) {
         fmt::print("{}", plan_text(input.planned.plan));
         return;
@@ -147,7 +188,9 @@ void render(const Arguments& a, ToolRun& run) {
     // Before the first frame takes its time.
     for (const Camera& view : input.views)
         require_camera_outside(world.scene(), world.rays(), view);
+    FramePreview preview(a, run.progress);
     for (const Camera& view : input.views) {
+        preview.begin(view, input.options);
         const auto start = std::chrono::steady_clock::now();
         Image image = render_image(world, view, input.options, run.progress, run.stats);
         image.metadata = describe(a, input, view, cached, run.stats);
