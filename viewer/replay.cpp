@@ -27,8 +27,9 @@ public:
           viewed_(scene, session_.state().wish(), cache_file(options), run.progress, run.stats) {}
 
     void play() {
-        for (int number = 0; number < *options_.frames && !session_.state().closed(); ++number) {
+        for (int number = 0; number < *options_.frames; ++number) {
             take_events(number);
+            if (session_.state().closed()) return;
             session_.advance(kSecondsPerFrame);
             if (session_.take_change())
                 start_over(number);
