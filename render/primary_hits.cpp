@@ -51,16 +51,59 @@ std::span<const Vec2> lens_points(const Camera& camera) {
     return std::span(kPoints).first(camera.lens_radius > 0 ? std::size(kPoints) : 1);
 }
 
+struct CameraSample {
+    Ray ray;
+    std::uint32_t pixel, number;
+    std::uint64_t pixel_seed;
+};
+
+/// Camera rays of a tile, row by row.
+class RowSampler {
+public:
+    RowSampler(const Camera& camera, const Tile& tile, SampleRange range)
+        : has_lens_(camera.lens_radius > 0), rays_(camera), tile_(tile), range_(range) {}
+
+    void sample(int y, std::vector<CameraSample>& row) const {
+        row.clear();
+        auto pixel = std::uint32_t(y - tile_.y0) * std::uint32_t(tile_.width());
+        for (int x = tile_.x0; x < tile_.x1; ++x, ++pixel) {
+            const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
+            for (auto k = std::uint32_t(range_.first); k < std::uint32_t(range_.end); ++k) {
+                // One sample sits at the pixel's centre, more are spread over its square.
+                const Vec2 u =
+                    range_.samples == 1 ? Vec2(0.5f) : start_sample(Start::pixel, k, pixel_seed);
+                const Vec2 lens = has_lens_ ? start_sample(Start::lens, k, pixel_seed) : Vec2(0.5f);
+                row.push_back({rays_(float(x) + u.x, float(y) + u.y, lens), pixel, k, pixel_seed});
+            }
+        }
+    }
+
+private:
+    bool has_lens_;
+    CameraRays rays_;
+    Tile tile_;
+    SampleRange range_;
+};
+
+void trace_in_packets(const RayScene& scene, std::span<const CameraSample> samples,
+                      std::span<std::optional<Hit>> hits) {
+    std::vector<Ray> rays;
+    for (const CameraSample& sample : samples) rays.push_back(sample.ray);
+    scene.intersect(rays, hits);
+}
+
 class PathTracer {
 public:
     PathTracer(const Scene& scene, const RayScene& rays, PrimaryHits& result)
         : scene_(scene), rays_(rays), result_(result) {}
 
-    void follow(Ray ray, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed,
-                Rgb throughput) {
+    /// Follows a ray that is known to hit something, or nothing.
+    void follow(const CameraSample& start, std::optional<Hit> hit, Rgb throughput) {
+        const auto& [first_ray, pixel, number, pixel_seed] = start;
+        Ray ray = first_ray;
         const std::uint64_t seed = mix_bits(pixel_seed + number + 1);
         for (std::uint32_t depth = 0; depth <= kMaxMirrorDepth; ++depth) {
-            std::optional<Hit> hit = rays_.intersect(ray);
+            if (depth > 0) hit = rays_.intersect(ray);
             if (add_nearer_light(ray, hit ? hit->t : kInfinity, pixel, depth, throughput)) return;
             if (!hit) return;
             const Vec3 w_o = -ray.direction;
@@ -103,27 +146,23 @@ private:
 }  // namespace
 
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range) {
+                              const Tile& tile, SampleRange range, Tracing tracing) {
     PrimaryHits result;
     result.points.reserve(tile.pixels() * std::size_t(range.end - range.first));
     PathTracer tracer(scene, rays, result);
-    std::uint32_t pixel = 0;
-    for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x, ++pixel) {
-            const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
-            for (int k = range.first; k < range.end; ++k) {
-                // One sample sits at the pixel's centre, more are spread over its square.
-                const Vec2 u = range.samples == 1
-                                   ? Vec2(0.5f)
-                                   : start_sample(Start::pixel, std::uint32_t(k), pixel_seed);
-                const Vec2 lens = camera.lens_radius > 0
-                                      ? start_sample(Start::lens, std::uint32_t(k), pixel_seed)
-                                      : Vec2(0.5f);
-                const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y, lens);
-                tracer.follow(ray, pixel, std::uint32_t(k), pixel_seed,
-                              Rgb(1.0f / float(range.samples)));
-            }
-        }
+    const RowSampler sampler(camera, tile, range);
+    const Rgb throughput(1.0f / float(range.samples));
+    std::vector<CameraSample> row;
+    std::vector<std::optional<Hit>> hits;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+        sampler.sample(y, row);
+        hits.resize(row.size());
+        if (tracing == Tracing::packets)
+            trace_in_packets(rays, row, hits);
+        else
+            for (std::size_t i = 0; i < row.size(); ++i) hits[i] = rays.intersect(row[i].ray);
+        for (std::size_t i = 0; i < row.size(); ++i) tracer.follow(row[i], hits[i], throughput);
+    }
     return result;
 }
 

@@ -49,6 +49,10 @@ struct SampleRange {
     int first, end, samples;
 };
 
+/// Whether camera rays are traced one by one, or in packets: faster, but ties between triangles are
+/// then broken as neighbours in the tile have it.
+enum class Tracing { single, packets };
+
 /// Sends a range of stratified camera rays through each pixel of a tile, from all over the lens if
 /// there is one, and follows them over
 /// mirror reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies,
@@ -57,7 +61,8 @@ struct SampleRange {
 ///
 /// Throws   InputError if the camera is inside a translucent body.
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range);
+                              const Tile& tile, SampleRange range,
+                              Tracing tracing = Tracing::single);
 
 /// Refuses a camera inside a translucent body: the method sees bodies from outside. Of a lens the
 /// centre and eight points of the rim are looked at. Throws InputError.

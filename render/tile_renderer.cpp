@@ -17,7 +17,8 @@ constexpr int kPathsPerPixel = 64, kLeastPaths = 1;
 }  // namespace
 
 void TileRenderer::find_hits(SampleRange range) {
-    hits_ = find_primary_hits(view_.world.scene(), view_.world.rays(), view_.camera, tile_, range);
+    hits_ = find_primary_hits(view_.world.scene(), view_.world.rays(), view_.camera, tile_, range,
+                              view_.quality == Quality::draft ? Tracing::packets : Tracing::single);
     describe_surfaces();
     add_seen_lights();
 }

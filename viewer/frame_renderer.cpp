@@ -14,9 +14,8 @@ namespace {
 // What a draft may take. Chosen: twenty frames a second, with some time left for the window.
 constexpr double kDraftMilliseconds = 45;
 
-// Chosen: powers of two, so that pixels keep their places.
-constexpr int kScales[] = {1, 2, 4, 8};
-constexpr int kFirstScale = 4;  // before a draft has been timed
+constexpr float kScales[] = {1, 1.25f, 1.5f, 2, 2.5f, 3, 4, 6, 8};
+constexpr float kFirstScale = 4;  // before a draft has been timed
 
 }  // namespace
 
@@ -144,7 +143,7 @@ void FrameRenderer::draw() {
     set_stage(Stage::drawing);
     const PreparedScene& world = scene_->world();
     require_camera_outside(world.scene(), world.rays(), current_.camera);
-    const int scale = draft_scale(current_.camera);
+    const float scale = draft_scale(current_.camera);
     std::optional<ViewFrame> first = draft(scale, {});
     publish(std::move(*first));
     if (scale > 1) {
@@ -160,7 +159,7 @@ void FrameRenderer::draw() {
     set_stage(Stage::resting);
 }
 
-std::optional<ViewFrame> FrameRenderer::draft(int scale, std::stop_token stop) {
+std::optional<ViewFrame> FrameRenderer::draft(float scale, std::stop_token stop) {
     std::optional<ViewFrame> frame =
         draw_draft(scene_->world(), current_.camera, scale, std::move(stop));
     if (frame)
@@ -170,11 +169,11 @@ std::optional<ViewFrame> FrameRenderer::draft(int scale, std::stop_token stop) {
 }
 
 // The finest that the last draft says there is time for.
-int FrameRenderer::draft_scale(const Camera& camera) const {
+float FrameRenderer::draft_scale(const Camera& camera) const {
     if (milliseconds_per_pixel_ == 0) return kFirstScale;
     const double full = milliseconds_per_pixel_ * double(camera.width) * double(camera.height);
-    for (const int scale : kScales)
-        if (full / (scale * scale) <= kDraftMilliseconds) return scale;
+    for (const float scale : kScales)
+        if (full / double(scale * scale) <= kDraftMilliseconds) return scale;
     return std::end(kScales)[-1];
 }
 

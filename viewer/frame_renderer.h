@@ -61,8 +61,8 @@ private:
     void draw();
     void publish(ViewFrame frame);
     void set_stage(Stage stage);
-    int draft_scale(const Camera& camera) const;
-    std::optional<ViewFrame> draft(int scale, std::stop_token stop);
+    float draft_scale(const Camera& camera) const;
+    std::optional<ViewFrame> draft(float scale, std::stop_token stop);
 
     std::function<std::unique_ptr<ViewedScene>()> load_;
     int threads_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "common/base/parallel.h"
 #include "render/render_image.h"
@@ -85,13 +86,13 @@ ViewFrame ProgressiveImage::frame() const {
     return frame;
 }
 
-std::optional<ViewFrame> draw_draft(const PreparedScene& world, const Camera& camera, int scale,
+std::optional<ViewFrame> draw_draft(const PreparedScene& world, const Camera& camera, float scale,
                                     std::stop_token stop) {
     const Stopwatch watch;
     ViewFrame frame;
     frame.camera = camera;
-    frame.camera.width = std::max(1, (camera.width + scale / 2) / scale);
-    frame.camera.height = std::max(1, (camera.height + scale / 2) / scale);
+    frame.camera.width = std::max(1, int(std::lround(float(camera.width) / scale)));
+    frame.camera.height = std::max(1, int(std::lround(float(camera.height) / scale)));
     frame.scale = scale;
     frame.draft = true;
     const View view{world, frame.camera, 1, Quality::draft, std::move(stop)};

@@ -40,7 +40,7 @@ private:
 
 /// A draft of one ray a pixel, with pixels `scale` times as wide as the camera's. Nothing if it was
 /// stopped.
-std::optional<ViewFrame> draw_draft(const PreparedScene& world, const Camera& camera, int scale,
+std::optional<ViewFrame> draw_draft(const PreparedScene& world, const Camera& camera, float scale,
                                     std::stop_token stop);
 
 }  // namespace tallow

@@ -14,7 +14,7 @@ namespace tallow {
 /// A picture on its way to the window.
 struct ViewFrame {
     Camera camera;           // its size is that of the picture
-    int scale = 1;           // edge of a pixel in pixels of the window
+    float scale = 1;         // edge of a pixel in pixels of the window
     bool draft = false;      // without what a draft leaves out; see Quality
     int samples = 1;         // camera rays a pixel so far ...
     int wanted_samples = 1;  // ... of so many
