@@ -178,6 +178,7 @@ float FrameRenderer::draft_scale(const Camera& camera) const {
 }
 
 void FrameRenderer::publish(ViewFrame frame) {
+    frame.wish = current_.scene;
     {
         const std::lock_guard lock(mutex_);
         news_ = {std::make_shared<const ViewFrame>(std::move(frame)), current_time_};

@@ -56,6 +56,7 @@ private:
             const PreparedScene& world = viewed_.world();
             require_camera_outside(world.scene(), world.rays(), session_.camera());
             frame_ = draw_draft(world, session_.camera(), 1, {});
+            frame_->wish = viewed_.shown();
             image_.emplace(world, session_.camera(), session_.samples(), std::stop_token());
         } catch (const InputError& problem) {
             if (!frame_) throw;
@@ -78,6 +79,7 @@ private:
     void add_pass() {
         image_->add_pass();
         frame_ = image_->frame();
+        frame_->wish = viewed_.shown();
     }
 
     void show(int number) {

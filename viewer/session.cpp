@@ -35,8 +35,7 @@ bool Session::shows_wish(const ViewFrame& frame) const {
     const Camera& a = frame.camera;
     const Camera& b = camera();
     return a.position == b.position && a.look_at == b.look_at && a.width == b.width &&
-           a.height == b.height && frame.certified == state_.wish().certified &&
-           frame.tolerance == state_.wish().tolerance;
+           a.height == b.height && frame.wish == state_.wish();
 }
 
 std::optional<std::filesystem::path> Session::save_wished(const ViewFrame& frame,

@@ -8,6 +8,7 @@
 
 #include "common/scene/camera.h"
 #include "render/film.h"
+#include "viewer/view_state.h"
 
 namespace tallow {
 
@@ -18,6 +19,7 @@ struct ViewFrame {
     bool draft = false;      // without what a draft leaves out; see Quality
     int samples = 1;         // camera rays a pixel so far ...
     int wanted_samples = 1;  // ... of so many
+    SceneWish wish{};        // what of the scene it shows
     float tolerance = 0;
     bool certified = false;
     float largest_bound = 0;  // relative, over pixels and channels; if certified

@@ -23,7 +23,7 @@ struct MaterialWish {
 
 /// What of the scene may be changed without a new pass one.
 struct SceneWish {
-    float tolerance;
+    float tolerance = 0;
     bool certified = false;
     std::vector<float> group_stops;       // [group] brighter by so many stops
     std::vector<MaterialWish> materials;  // [material]
