@@ -46,6 +46,8 @@ bool BandRenderer::add_samples(SampleRange range) {
         for_bodies([&](std::uint32_t object) { add_single_scattering(object); });
     for_tiles("surface", [](TileRenderer& tile) { tile.add_reflected_light(); });
     if (view_.quality == Quality::full && view_.world.has_indirect_light()) add_indirect_light();
+    if (view_.quality == Quality::draft)
+        for_tiles("surface", [](TileRenderer& tile) { tile.share_mirrors(); });
     for (TileRenderer& tile : tiles_) tile.forget_hits();
     return !view_.stop.stop_requested();
 }

@@ -98,11 +98,12 @@ public:
         : scene_(scene), rays_(rays), result_(result) {}
 
     /// Follows a ray that is known to hit something, or nothing.
-    void follow(const CameraSample& start, std::optional<Hit> hit, Rgb throughput) {
+    void follow(const CameraSample& start, std::optional<Hit> hit, Rgb throughput,
+                std::uint32_t max_depth) {
         const auto& [first_ray, pixel, number, pixel_seed] = start;
         Ray ray = first_ray;
         const std::uint64_t seed = mix_bits(pixel_seed + number + 1);
-        for (std::uint32_t depth = 0; depth <= kMaxMirrorDepth; ++depth) {
+        for (std::uint32_t depth = 0; depth <= max_depth; ++depth) {
             if (depth > 0) hit = rays_.intersect(ray);
             if (add_nearer_light(ray, hit ? hit->t : kInfinity, pixel, depth, throughput)) return;
             if (!hit) return;
@@ -146,7 +147,7 @@ private:
 }  // namespace
 
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range, Tracing tracing) {
+                              const Tile& tile, SampleRange range, Quality quality) {
     PrimaryHits result;
     result.points.reserve(tile.pixels() * std::size_t(range.end - range.first));
     PathTracer tracer(scene, rays, result);
@@ -157,11 +158,16 @@ PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Ca
     for (int y = tile.y0; y < tile.y1; ++y) {
         sampler.sample(y, row);
         hits.resize(row.size());
-        if (tracing == Tracing::packets)
+        if (quality == Quality::draft)
             trace_in_packets(rays, row, hits);
         else
             for (std::size_t i = 0; i < row.size(); ++i) hits[i] = rays.intersect(row[i].ray);
-        for (std::size_t i = 0; i < row.size(); ++i) tracer.follow(row[i], hits[i], throughput);
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const int x = tile.x0 + int(row[i].pixel) % tile.width();
+            const bool shows_mirrors =
+                quality == Quality::full || (first_of_block(x) == x && first_of_block(y) == y);
+            tracer.follow(row[i], hits[i], throughput, shows_mirrors ? kMaxMirrorDepth : 0);
+        }
     }
     return result;
 }

@@ -49,9 +49,16 @@ struct SampleRange {
     int first, end, samples;
 };
 
-/// Whether camera rays are traced one by one, or in packets: faster, but ties between triangles are
-/// then broken as neighbours in the tile have it.
-enum class Tracing { single, packets };
+/// How much of a picture is computed: everything, or what has to be there at once while a camera
+/// moves. A draft has no single scattering and no light that opaque surfaces get from one another.
+/// What mirrors show and direct light on opaque surfaces, with one shadow ray to each light, are
+/// computed once for each object in a block of 2 x 2 pixels. Its camera rays are traced in packets,
+/// so that ties between triangles are broken as neighbours have it.
+enum class Quality { full, draft };
+
+/// First pixel of a draft's block, for coordinates in the tile or in the image, whose tiles start
+/// at even ones.
+inline int first_of_block(int coordinate) { return coordinate & ~1; }
 
 /// Sends a range of stratified camera rays through each pixel of a tile, from all over the lens if
 /// there is one, and follows them over
@@ -61,8 +68,7 @@ enum class Tracing { single, packets };
 ///
 /// Throws   InputError if the camera is inside a translucent body.
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range,
-                              Tracing tracing = Tracing::single);
+                              const Tile& tile, SampleRange range, Quality quality = Quality::full);
 
 /// Refuses a camera inside a translucent body: the method sees bodies from outside. Of a lens the
 /// centre and eight points of the rim are looked at. Throws InputError.

@@ -11,11 +11,6 @@
 
 namespace tallow {
 
-/// How much of a picture is computed: everything, or what has to be there at once while a camera
-/// moves. A draft has no single scattering, no light that opaque surfaces get from one another, and
-/// one shadow ray to each light.
-enum class Quality { full, draft };
-
 /// What is looked at, from where, with how many camera rays a pixel.
 struct View {
     const PreparedScene& world;
@@ -46,6 +41,10 @@ public:
     void add_single_scattering(std::uint32_t object);
     void add_reflected_light();
 
+    /// Gives all pixels of a draft's block what the first one sees in mirrors, where they see the
+    /// same object. To be called when all terms have been added.
+    void share_mirrors();
+
     /// Follows paths from opaque surfaces; what they meet of bodies waits for its exitance.
     void add_indirect_light();
     const std::vector<BodyVertex>& vertices() const { return vertices_; }
@@ -58,6 +57,7 @@ public:
 
 private:
     int shadow_rays() const;
+    std::size_t block_of(std::size_t pixel) const;
     void add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance);
     void describe_surfaces();
     void add_seen_lights();

@@ -14,7 +14,7 @@ namespace {
 // What a draft may take. Chosen: twenty frames a second, with some time left for the window.
 constexpr double kDraftMilliseconds = 45;
 
-constexpr float kScales[] = {1, 1.25f, 1.5f, 2, 2.5f, 3, 4, 6, 8};
+constexpr float kScales[] = {1, 1.25f, 1.5f, 1.75f, 2, 2.5f, 3, 4, 6, 8};
 constexpr float kFirstScale = 4;  // before a draft has been timed
 
 }  // namespace

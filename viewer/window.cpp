@@ -102,7 +102,10 @@ public:
             const std::chrono::duration<double> step = now - last;
             last = now;
             session_.advance(std::min(step.count(), kLongestStep));
-            if (session_.take_change()) frames_->want(wish());
+            if (session_.take_change()) {
+                frames_->want(wish());
+                message_.clear();
+            }
             show();
         }
     }

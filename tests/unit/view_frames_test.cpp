@@ -48,10 +48,12 @@ protected:
         return image.frame();
     }
     Image rendered(const PreparedScene& world, int samples = 4) {
-        return render_image(
-            world, camera_,
-            {whole_image(camera_), samples, {"multiple", "single", "exitance", "Z"}, {}}, quiet_,
-            stats_);
+        return render_image(world, camera_,
+                            {whole_image(camera_),
+                             samples,
+                             {"multiple", "single", "diffuse", "specular", "exitance", "Z"},
+                             {}},
+                            quiet_, stats_);
     }
     FrameRenderer::Wish wish() const { return {camera_, wish_, 4}; }
 
@@ -109,6 +111,33 @@ TEST_F(Frames, DraftsLeaveSingleScatteringToTheRest) {
     EXPECT_EQ(coarse->camera.width, 13);  // 50 / 4, rounded
     EXPECT_EQ(coarse->camera.height, 10);
     EXPECT_EQ(coarse->scale, 4);
+}
+
+// In blocks of 2 x 2 pixels, and as bright as the whole: a draft's light is that of one ray.
+TEST_F(Frames, DraftsShareLightAmongNeighbours) {
+    const auto draft = draw_draft(viewed_->world(), camera_, 1, {});
+    const Image image = frame_image(*draft), whole = rendered(viewed_->world(), 64);
+    const auto &diffuse = *image.find_channel("diffuse.G"),
+               &mirrored = *image.find_channel("specular.G");
+    const auto& z = *image.find_channel("P.Y");
+    int same = 0, blocks = 0;
+    for (int y = 0; y < 40; y += 2)
+        for (int x = 0; x < 50; x += 2) {
+            const auto at = [&](int i) { return std::size_t((y + i / 2) * 50 + x + i % 2); };
+            if (!(z[at(0)] < -1.4f && z[at(3)] < -1.4f && z[at(1)] < -1.4f && z[at(2)] < -1.4f))
+                continue;  // the floor
+            ++blocks;
+            same += diffuse[at(0)] == diffuse[at(3)] && diffuse[at(1)] == diffuse[at(2)];
+        }
+    EXPECT_GT(blocks, 50);
+    EXPECT_EQ(same, blocks);
+    double sum = 0, expected = 0, in_mirrors = 0, expected_in_mirrors = 0;
+    for (std::size_t i = 0; i < diffuse.size(); ++i) {
+        sum += diffuse[i], expected += (*whole.find_channel("diffuse.G"))[i];
+        in_mirrors += mirrored[i], expected_in_mirrors += (*whole.find_channel("specular.G"))[i];
+    }
+    EXPECT_NEAR(sum / expected, 1, 0.2);
+    EXPECT_NEAR(in_mirrors / expected_in_mirrors, 1, 0.2);
 }
 
 TEST_F(Frames, StopWhenTheyAreTold) {
