@@ -69,6 +69,10 @@ void declare(CommandLine& line, Arguments& a) {
               "LIST");
     line.number("--exposure", a.exposure, -64, 64, "a number in [-64, 64]",
                 "Brightness of a PNG in stops [default: 0]");
+    line.optional_text("--preview", a.preview,
+                       "Show tiles as they are finished in a tev that is running [default: "
+                       "127.0.0.1:14158]",
+                       "HOST:PORT");
     line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
     line.flag("--everything", a.everything, "Compute also what the plan would leave out");
     line.text_list("--set", a.overrides, "Override a value of the scene, e.g. groups.key.scale=2",
@@ -129,17 +133,6 @@ Tile parse_crop(const std::string& text, const Camera& camera) {
     }
     if (v[0] >= v[2] || v[1] >= v[3]) throw fail();
     return {v[0], v[1], v[2], v[3]};
-}
-
-const Camera& find_camera(const Scene& scene, const std::string& name) {
-    if (name.empty()) return scene.cameras.front();
-    std::vector<std::string> names;
-    for (const Camera& camera : scene.cameras) {
-        if (camera.name == name) return camera;
-        names.push_back(camera.name);
-    }
-    throw UsageError(
-        fmt::format("--camera: expected one of {}, got '{}'", fmt::join(names, ", "), name));
 }
 
 std::optional<FrameRange> frames_of(const Arguments& a) {

@@ -22,6 +22,7 @@ struct Arguments {
     std::string camera, frames, crop, aovs = "none", criterion = "error";
     std::optional<double> tolerance, certify, exposure;
     std::optional<int> samples;
+    std::optional<std::string> preview;
     bool plan = false, everything = false;
 };
 
@@ -37,9 +38,6 @@ std::vector<std::string> parse_layers(const std::string& list, bool certified);
 
 /// Pixels of the camera's image; all of them if the text is empty.
 Tile parse_crop(const std::string& text, const Camera& camera);
-
-/// The scene's first camera if the name is empty.
-const Camera& find_camera(const Scene& scene, const std::string& name);
 
 /// What --frames asks for; nothing if it is not given.
 std::optional<FrameRange> frames_of(const Arguments& a);

@@ -27,27 +27,46 @@ BandRenderer::BandRenderer(const View& view, std::span<const Tile> tiles, Stats&
     for (const Tile& tile : tiles) tiles_.emplace_back(view, tile);
 }
 
-void BandRenderer::render() {
+bool BandRenderer::render() {
     for (int first = 0; first < view_.samples; first += kSamplesPerPass)
-        add_samples({first, std::min(first + kSamplesPerPass, view_.samples), view_.samples});
+        if (!add_samples({first, std::min(first + kSamplesPerPass, view_.samples), view_.samples}))
+            return false;
+    return true;
 }
 
-void BandRenderer::add_samples(SampleRange range) {
+bool BandRenderer::add_samples(SampleRange range) {
     for_tiles("primary", [&](TileRenderer& tile) { tile.find_hits(range); });
+    if (view_.stop.stop_requested()) return false;
     for (const TileRenderer& tile : tiles_)
         counts_.camera_rays += std::int64_t(tile.tile().pixels()) * (range.end - range.first);
     PhaseTimer timer(stats_, "exitance");
     for_bodies([&](std::uint32_t object) { add_multiple_scattering(object); });
     timer.stop();
-    for_bodies([&](std::uint32_t object) { add_single_scattering(object); });
+    if (view_.quality == Quality::full)
+        for_bodies([&](std::uint32_t object) { add_single_scattering(object); });
     for_tiles("surface", [](TileRenderer& tile) { tile.add_reflected_light(); });
-    if (!view_.world.has_indirect_light()) return;
+    if (view_.quality == Quality::full && view_.world.has_indirect_light()) add_indirect_light();
+    if (view_.quality == Quality::draft)
+        for_tiles("surface", [](TileRenderer& tile) { tile.share_mirrors(); });
+    for (TileRenderer& tile : tiles_) tile.forget_hits();
+    return !view_.stop.stop_requested();
+}
+
+void BandRenderer::add_indirect_light() {
     for_tiles("indirect", [](TileRenderer& tile) { tile.add_indirect_light(); });
     const PhaseTimer indirect_timer(stats_, "indirect");
     for_bodies([&](std::uint32_t object) { add_light_of_body(object); });
 }
 
+std::vector<TilePixels> BandRenderer::take_pixels() && {
+    std::vector<TilePixels> result;
+    for (TileRenderer& tile : tiles_)
+        result.push_back({tile.tile(), std::move(tile).take_pixels()});
+    return result;
+}
+
 void BandRenderer::add_multiple_scattering(std::uint32_t object) {
+    if (view_.stop.stop_requested()) return;
     std::vector<std::size_t> first(tiles_.size() + 1);  // [tile] of its points
     parallel_for(tiles_.size(), 1,
                  [&](std::size_t i) { first[i + 1] = tiles_[i].count_points(object); });
@@ -71,6 +90,7 @@ void BandRenderer::add_single_scattering(std::uint32_t object) {
 }
 
 void BandRenderer::add_light_of_body(std::uint32_t object) {
+    if (view_.stop.stop_requested()) return;
     std::vector<ExitancePoint> points;
     std::vector<std::size_t> first;  // [tile] of its points
     for (const TileRenderer& tile : tiles_) {
@@ -86,7 +106,9 @@ void BandRenderer::add_light_of_body(std::uint32_t object) {
 template <class Work>
 void BandRenderer::for_tiles(const char* phase, const Work& work) {
     const PhaseTimer timer(stats_, phase);
-    parallel_for(tiles_.size(), 1, [&](std::size_t i) { work(tiles_[i]); });
+    parallel_for(tiles_.size(), 1, [&](std::size_t i) {
+        if (!view_.stop.stop_requested()) work(tiles_[i]);
+    });
 }
 
 template <class Work>

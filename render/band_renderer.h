@@ -26,11 +26,18 @@ public:
     /// Adds the time of each term to `stats`, and to `counts`. All three must outlive it.
     BandRenderer(const View& view, std::span<const Tile> tiles, Stats& stats, RenderCounts& counts);
 
-    void render();
+    /// Adds all camera rays of the view. Returns false if it was stopped: its pixels mean nothing.
+    bool render();
+    /// Adds some of them, the next after those that were added before, for pictures that get better
+    /// while they are looked at. Returns false as render() does.
+    bool add_samples(SampleRange range);
+
     const std::vector<TileRenderer>& tiles() const { return tiles_; }
+    /// The pixels, moved out.
+    std::vector<TilePixels> take_pixels() &&;
 
 private:
-    void add_samples(SampleRange range);
+    void add_indirect_light();
     void add_multiple_scattering(std::uint32_t object);
     void add_single_scattering(std::uint32_t object);
     void add_light_of_body(std::uint32_t object);

@@ -62,6 +62,20 @@ std::vector<LayerChannel> layer_channels(const std::string& layer) {
 
 }  // namespace
 
+Pixel scaled(Pixel p, float factor) {
+    for (Rgb* layer : {&p.multiple, &p.single, &p.diffuse, &p.specular, &p.scattered, &p.emission,
+                       &p.exitance, &p.error_bound, &p.albedo})
+        *layer *= factor;
+    p.normal *= factor, p.position *= factor, p.depth *= factor, p.coverage *= factor;
+    return p;
+}
+
+void place(const Tile& tile, std::span<const Pixel> from, const Tile& crop, std::span<Pixel> to) {
+    for (int y = tile.y0; y < tile.y1; ++y)
+        std::copy_n(from.begin() + std::ptrdiff_t(y - tile.y0) * tile.width(), tile.width(),
+                    to.begin() + std::ptrdiff_t(y - crop.y0) * crop.width() + (tile.x0 - crop.x0));
+}
+
 std::span<const std::string> layer_names() { return kLayers; }
 
 Image develop(const Camera& camera, const Tile& crop, std::span<const Pixel> pixels,

@@ -32,6 +32,18 @@ struct Pixel {
     Rgb radiance() const { return multiple + single + diffuse + specular + transmitted + emission; }
 };
 
+/// The pixels of a tile, row by row.
+struct TilePixels {
+    Tile tile;
+    std::vector<Pixel> pixels;
+};
+
+/// What a pixel holds, times a factor; `evaluations`, which is no mean, stays.
+Pixel scaled(Pixel pixel, float factor);
+
+/// Puts the pixels of a tile into those of the crop that it is part of.
+void place(const Tile& tile, std::span<const Pixel> from, const Tile& crop, std::span<Pixel> to);
+
 /// Names of the layers that --aovs may ask for, in the order in which they are written.
 std::span<const std::string> layer_names();
 

@@ -1,51 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 
 #include "common/base/errors.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
-#include "common/cloud/scene_fingerprint.h"
 #include "common/exitance/scene_plan.h"
 #include "common/image/exr_io.h"
 #include "common/image/png_io.h"
 #include "common/scene/scene_yaml.h"
 #include "render/arguments.h"
+#include "render/check_cache.h"
+#include "render/find_camera.h"
 #include "render/render_image.h"
+#include "render/tev_preview.h"
 
 using namespace tallow;
 
 namespace {
-
-/// The cache, checked against the scene; an empty one if nothing in the scene needs it.
-std::optional<MappedCache> open_cache(const Arguments& a, const ScenePlan& planned,
-                                      const SceneGeometry& geometry) {
-    const Scene& scene = planned.scene;
-    std::vector<std::uint32_t> needed;  // objects whose samples the picture needs
-    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (subsurface(scene, i) != nullptr && planned.treatment[i] == Treatment::samples)
-            needed.push_back(i);
-    if (!a.cache) {
-        if (!needed.empty())
-            throw UsageError(
-                "--cache: expected a cache file, because the scene has translucent "
-                "bodies; make one with tallow-precompute");
-        return std::nullopt;
-    }
-    MappedCache cache(*a.cache);
-    require_fingerprint(*a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
-    for (const std::uint32_t object : needed)
-        if (std::ranges::find(cache.view().bodies, object, &BodyView::object) ==
-            cache.view().bodies.end())
-            throw InputError(
-                fmt::format("{}: has no samples of objects[{}]: the cameras and the tolerance that "
-                            "it was made for "
-                            "did not need them; re-run tallow-precompute with these",
-                            a.cache->string(), object));
-    return cache;
-}
 
 void add_lights(Plan& plan, const Scene& scene) {
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
@@ -115,6 +88,20 @@ Input read_input(const Arguments& a, Stats& stats) {
     return input;
 }
 
+/// The cache, checked against the scene; an empty one if nothing in the scene needs it.
+std::optional<MappedCache> open_cache(const Arguments& a, const Input& input) {
+    if (!a.cache) {
+        if (!bodies_to_sample(input.planned).empty())
+            throw UsageError(
+                "--cache: expected a cache file, because the scene has translucent "
+                "bodies; make one with tallow-precompute");
+        return std::nullopt;
+    }
+    MappedCache cache(*a.cache);
+    require_cache_of(input.planned, input.geometry, *a.cache, cache.view());
+    return cache;
+}
+
 decltype(Image::metadata) describe(const Arguments& a, const Input& input, const Camera& view,
                                    const CacheView& cache, const Stats& stats) {
     decltype(Image::metadata) metadata = {
@@ -131,10 +118,14 @@ decltype(Image::metadata) describe(const Arguments& a, const Input& input, const
     return metadata;
 }
 
+std::filesystem::path output_of_frame(const Arguments& a, const std::string& name, int frame) {
+    return a.frames.empty() ? std::filesystem::path(name) : frame_file(name, frame);
+}
+
 void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
     const PhaseTimer timer(run.stats, "write");
-    for (const std::filesystem::path name : a.outputs) {
-        const auto output = a.frames.empty() ? name : frame_file(name, frame);
+    for (const std::string& name : a.outputs) {
+        const auto output = output_of_frame(a, name, frame);
         if (output.extension() == ".exr")
             write_exr(output, image);
         else
@@ -143,16 +134,52 @@ void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
     }
 }
 
+/// Shows a frame's tiles in a tev, if one is there, under the name of the first output.
+class FramePreview {
+public:
+    FramePreview(const Arguments& a, Progress& progress) : a_(a), progress_(progress) {
+        if (a.preview) tev_.emplace(parse_tev_address(*a.preview));
+        warn();
+    }
+
+    /// `options` are then told to send tiles. It must outlive the rendering.
+    void begin(const Camera& view, RenderOptions& options) {
+        if (!tev_) return;
+        const std::string name = output_of_frame(a_, a_.outputs.front(), view.frame).string();
+        tev_->create(name, develop(view, {0, 0, 0, 0}, {}, options.layers));
+        options.on_tile = [this, name, &view, &options](const Tile& tile,
+                                                        std::span<const Pixel> pixels) {
+            tev_->update(name, develop(view, tile, pixels, options.layers));
+            warn();
+        };
+        warn();
+    }
+
+private:
+    // Once: the picture is rendered all the same.
+    void warn() {
+        if (!tev_ || tev_->problem().empty() || warned_) return;
+        progress_.note("tallow-render: warning: " + tev_->problem());
+        warned_ = true;
+    }
+
+    const Arguments& a_;
+    Progress& progress_;
+    std::optional<TevPreview> tev_;
+    bool warned_ = false;
+};
+
 void render(const Arguments& a, ToolRun& run) {
     if (!a.plan) require_image_names(a);
-    const Input input = read_input(a, run.stats);
+    if (a.preview) parse_tev_address(*a.preview);  // refused before any work
+    Input input = read_input(a, run.stats);
     if (a.plan) {
         fmt::print("{}", plan_text(input.planned.plan));
         return;
     }
     note_double_counting(input.planned.scene, run.progress);
     PhaseTimer map_timer(run.stats, "map");
-    const std::optional<MappedCache> cache = open_cache(a, input.planned, input.geometry);
+    const std::optional<MappedCache> cache = open_cache(a, input);
     map_timer.stop();
     const CacheView cached = cache ? cache->view() : CacheView{};
     const PreparedScene world(input.planned.scene, input.geometry, cached, input.accuracy,
@@ -162,7 +189,9 @@ void render(const Arguments& a, ToolRun& run) {
     // Before the first frame takes its time.
     for (const Camera& view : input.views)
         require_camera_outside(world.scene(), world.rays(), view);
+    FramePreview preview(a, run.progress);
     for (const Camera& view : input.views) {
+        preview.begin(view, input.options);
         const auto start = std::chrono::steady_clock::now();
         Image image = render_image(world, view, input.options, run.progress, run.stats);
         image.metadata = describe(a, input, view, cached, run.stats);

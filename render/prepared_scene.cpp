@@ -65,8 +65,9 @@ PreparedScene::PreparedScene(Scene scene, const SceneGeometry& geometry, CacheVi
     prepare(std::move(scene), diffuse, stats);
 }
 
-void PreparedScene::change(Scene scene, const std::vector<std::optional<Rgb>>& diffuse,
-                           Stats& stats) {
+void PreparedScene::change(Scene scene, ExitanceAccuracy accuracy,
+                           const std::vector<std::optional<Rgb>>& diffuse, Stats& stats) {
+    accuracy_ = accuracy;
     TALLOW_CHECK(scene.objects.size() == bodies_.size(), "{} objects, {} before",
                  scene.objects.size(), bodies_.size());
     prepare(std::move(scene), diffuse, stats);

@@ -62,11 +62,12 @@ public:
                   Stats& stats);
 
     /// Takes other values for what the cache does not hold: scales of light groups, coefficients of
-    /// media, colours, settings. Shapes, places, lights and what belongs to the cache's fingerprint
-    /// must be as before; see require_fingerprint(). Only the exitance is made again, in the phase
-    /// octree, and kernels and diffusion where media are new; scales of groups need no solve. If it
-    /// throws, it has to be called again.
-    void change(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
+    /// media, colours, settings, accuracy. Shapes, places, lights and what belongs to the cache's
+    /// fingerprint must be as before; see require_fingerprint(). Only the exitance is made again,
+    /// in the phase octree, and kernels and diffusion where media are new; scales of groups need no
+    /// solve. If it throws, it has to be called again.
+    void change(Scene scene, ExitanceAccuracy accuracy,
+                const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
 
     PreparedScene(const PreparedScene&) = delete;
     PreparedScene& operator=(const PreparedScene&) = delete;

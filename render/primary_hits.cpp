@@ -62,27 +62,73 @@ struct Way {
     bool through = false;     // as in ShadingPoint
 };
 
+struct CameraSample {
+    Ray ray;
+    std::uint32_t pixel, number;
+    std::uint64_t pixel_seed;
+};
+
+/// Camera rays of a tile, row by row.
+class RowSampler {
+public:
+    RowSampler(const Camera& camera, const Tile& tile, SampleRange range)
+        : has_lens_(camera.lens_radius > 0), rays_(camera), tile_(tile), range_(range) {}
+
+    void sample(int y, std::vector<CameraSample>& row) const {
+        row.clear();
+        auto pixel = std::uint32_t(y - tile_.y0) * std::uint32_t(tile_.width());
+        for (int x = tile_.x0; x < tile_.x1; ++x, ++pixel) {
+            const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
+            for (auto k = std::uint32_t(range_.first); k < std::uint32_t(range_.end); ++k) {
+                // One sample sits at the pixel's centre, more are spread over its square.
+                const Vec2 u =
+                    range_.samples == 1 ? Vec2(0.5f) : start_sample(Start::pixel, k, pixel_seed);
+                const Vec2 lens = has_lens_ ? start_sample(Start::lens, k, pixel_seed) : Vec2(0.5f);
+                row.push_back({rays_(float(x) + u.x, float(y) + u.y, lens), pixel, k, pixel_seed});
+            }
+        }
+    }
+
+private:
+    bool has_lens_;
+    CameraRays rays_;
+    Tile tile_;
+    SampleRange range_;
+};
+
+void trace_in_packets(const RayScene& scene, std::span<const CameraSample> samples,
+                      std::span<std::optional<Hit>> hits) {
+    std::vector<Ray> rays;
+    for (const CameraSample& sample : samples) rays.push_back(sample.ray);
+    scene.intersect(rays, hits);
+}
+
 class PathTracer {
 public:
     PathTracer(const Scene& scene, const RayScene& rays, const std::vector<bool>& clear,
                PrimaryHits& result)
         : scene_(scene), rays_(rays), clear_(clear), result_(result) {}
 
-    void follow(const Ray& ray, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed,
-                Rgb throughput) {
-        ways_.assign(1, {ray, throughput});
+    /// Follows a ray that is known to hit something, or nothing.
+    void follow(const CameraSample& start, const std::optional<Hit>& hit, Rgb throughput,
+                std::uint32_t max_depth) {
+        max_depth_ = max_depth;
+        ways_.assign(1, {start.ray, throughput});
         for (std::size_t i = 0; i < ways_.size(); ++i) {
+            const Way way = ways_[i];
             // Each with random decisions of its own.
-            const std::uint64_t own = pixel_seed + (std::uint64_t(i) << 32);
-            follow(Way(ways_[i]), pixel, number, own);
+            const std::uint64_t own = start.pixel_seed + (std::uint64_t(i) << 32);
+            follow(way, i == 0 ? hit : rays_.intersect(way.ray), start, own);
         }
     }
 
 private:
-    void follow(Way way, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed) {
+    void follow(Way way, std::optional<Hit> hit, const CameraSample& start,
+                std::uint64_t pixel_seed) {
+        const auto [pixel, number] = std::pair(start.pixel, start.number);
         const std::uint64_t seed = mix_bits(pixel_seed + number + 1);
-        for (; way.depth <= kMaxMirrorDepth; ++way.depth) {
-            std::optional<Hit> hit = rays_.intersect(way.ray);
+        for (const std::uint32_t first = way.depth; way.depth <= max_depth_; ++way.depth) {
+            if (way.depth > first) hit = rays_.intersect(way.ray);
             if (add_nearer_light(way, hit ? hit->t : kInfinity, pixel)) return;
             if (!hit) return;
             const Vec3 w_o = -way.ray.direction;
@@ -161,32 +207,36 @@ private:
     const std::vector<bool>& clear_;  // [object]
     PrimaryHits& result_;
     std::vector<Way> ways_;  // of one camera ray; the first is itself
+    std::uint32_t max_depth_ = kMaxMirrorDepth;
 };
 
 }  // namespace
 
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range, const std::vector<bool>& clear) {
+                              const Tile& tile, SampleRange range, const std::vector<bool>& clear,
+                              Quality quality) {
     PrimaryHits result;
     result.points.reserve(tile.pixels() * std::size_t(range.end - range.first));
-    PathTracer tracer(scene, rays, clear, result);
-    std::uint32_t pixel = 0;
-    for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x, ++pixel) {
-            const std::uint64_t pixel_seed = mix_bits(std::uint64_t(y) << 32 | std::uint32_t(x));
-            for (int k = range.first; k < range.end; ++k) {
-                // One sample sits at the pixel's centre, more are spread over its square.
-                const Vec2 u = range.samples == 1
-                                   ? Vec2(0.5f)
-                                   : start_sample(Start::pixel, std::uint32_t(k), pixel_seed);
-                const Vec2 lens = camera.lens_radius > 0
-                                      ? start_sample(Start::lens, std::uint32_t(k), pixel_seed)
-                                      : Vec2(0.5f);
-                const Ray ray = camera_ray(camera, float(x) + u.x, float(y) + u.y, lens);
-                tracer.follow(ray, pixel, std::uint32_t(k), pixel_seed,
-                              Rgb(1.0f / float(range.samples)));
-            }
+    const std::vector<bool> none;
+    PathTracer tracer(scene, rays, quality == Quality::draft ? none : clear, result);
+    const RowSampler sampler(camera, tile, range);
+    const Rgb throughput(1.0f / float(range.samples));
+    std::vector<CameraSample> row;
+    std::vector<std::optional<Hit>> hits;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+        sampler.sample(y, row);
+        hits.resize(row.size());
+        if (quality == Quality::draft)
+            trace_in_packets(rays, row, hits);
+        else
+            for (std::size_t i = 0; i < row.size(); ++i) hits[i] = rays.intersect(row[i].ray);
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const int x = tile.x0 + int(row[i].pixel) % tile.width();
+            const bool shows_mirrors =
+                quality == Quality::full || (first_of_block(x) == x && first_of_block(y) == y);
+            tracer.follow(row[i], hits[i], throughput, shows_mirrors ? kMaxMirrorDepth : 0);
         }
+    }
     return result;
 }
 

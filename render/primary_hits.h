@@ -56,6 +56,18 @@ struct SampleRange {
     int first, end, samples;
 };
 
+/// How much of a picture is computed: everything, or what has to be there at once while a camera
+/// moves. A draft has no single scattering, no light that passes bodies unscattered, and no
+/// light that opaque surfaces get from one another.
+/// What mirrors show and direct light on opaque surfaces, with one shadow ray to each light, are
+/// computed once for each object in a block of 2 x 2 pixels. Its camera rays are traced in packets,
+/// so that ties between triangles are broken as neighbours have it.
+enum class Quality { full, draft };
+
+/// First pixel of a draft's block, for coordinates in the tile or in the image, whose tiles start
+/// at even ones.
+inline int first_of_block(int coordinate) { return coordinate & ~1; }
+
 /// Sends a range of stratified camera rays through each pixel of a tile, from all over the lens if
 /// there is one, and follows them over
 /// mirror reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies,
@@ -70,7 +82,8 @@ struct SampleRange {
 /// Throws   InputError if the camera is inside a translucent body.
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
                               const Tile& tile, SampleRange range,
-                              const std::vector<bool>& clear = {});
+                              const std::vector<bool>& clear = {},
+                              Quality quality = Quality::full);
 
 /// Refuses a camera inside a translucent body: the method sees bodies from outside. Of a lens the
 /// centre and eight points of the rim are looked at. Throws InputError.

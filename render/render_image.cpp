@@ -4,22 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "render/band_renderer.h"
 #include "render/film.h"
 
 namespace tallow {
 namespace {
-
-// Puts the pixels of a tile into those of the crop.
-void place(const TileRenderer& rendered, const Tile& crop, std::vector<Pixel>& pixels) {
-    const Tile& tile = rendered.tile();
-    for (int y = tile.y0; y < tile.y1; ++y)
-        std::copy_n(
-            rendered.pixels().begin() + std::ptrdiff_t(y - tile.y0) * tile.width(), tile.width(),
-            pixels.begin() + std::ptrdiff_t(y - crop.y0) * crop.width() + (tile.x0 - crop.x0));
-}
 
 void report(const RenderCounts& counts, const ExitanceAccuracy& accuracy, Stats& stats,
             Progress& progress) {
@@ -52,8 +41,9 @@ Image render_image(const PreparedScene& world, const Camera& camera, const Rende
         BandRenderer band(view, tiles, stats, counts);
         band.render();
         for (const TileRenderer& tile : band.tiles()) {
-            place(tile, crop, pixels);
+            place(tile.tile(), tile.pixels(), crop, pixels);
             progress.add(tile.tile().pixels());
+            if (options.on_tile) options.on_tile(tile.tile(), tile.pixels());
         }
     }
     progress.end();

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/progress.h"
 #include "common/base/stats.h"
 #include "common/image/image.h"
+#include "render/film.h"
 #include "render/prepared_scene.h"
 #include "render/primary_hits.h"
 
@@ -17,6 +20,8 @@ struct RenderOptions {
     Tile crop;         ///< pixels to render, inside the camera's image
     int samples = 16;  ///< camera rays a pixel
     std::vector<std::string> layers{};
+    /// Told of each tile when it is done.
+    std::function<void(const Tile&, std::span<const Pixel>)> on_tile{};
 };
 
 /// All pixels of a camera.

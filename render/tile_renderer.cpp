@@ -21,7 +21,7 @@ Rgb Pixel::*layer_behind(bool through) { return through ? &Pixel::transmitted : 
 
 void TileRenderer::find_hits(SampleRange range) {
     hits_ = find_primary_hits(view_.world.scene(), view_.world.rays(), view_.camera, tile_, range,
-                              view_.world.clear());
+                              view_.world.clear(), view_.quality);
     describe_surfaces();
     add_seen_lights();
 }
@@ -83,9 +83,37 @@ void TileRenderer::add_single_scattering(std::uint32_t object) {
 }
 
 void TileRenderer::add_reflected_light() {
+    struct Shared {
+        std::optional<std::uint32_t> object;
+        Rgb radiance;
+    };
+    std::vector<Shared> blocks(view_.quality == Quality::draft ? tile_.pixels() : 0);
+    for (const ShadingPoint& point : hits_.points) {
+        if (view_.world.body(point.hit.object) != nullptr) continue;
+        const auto direct = [&] { return view_.world.reflected().direct(point, shadow_rays()); };
+        if (view_.quality == Quality::full || point.depth > 0) {
+            add(point, &Pixel::diffuse, direct());
+            continue;
+        }
+        Shared& shared = blocks[block_of(point.pixel)];
+        if (shared.object != point.hit.object) shared = {point.hit.object, direct()};
+        add(point, &Pixel::diffuse, shared.radiance);
+    }
+}
+
+// The first pixel of a draft's block.
+std::size_t TileRenderer::block_of(std::size_t pixel) const {
+    const int width = tile_.width(), x = int(pixel) % width, y = int(pixel) / width;
+    return std::size_t(first_of_block(y)) * std::size_t(width) + std::size_t(first_of_block(x));
+}
+
+void TileRenderer::share_mirrors() {
+    std::vector<std::optional<std::uint32_t>> seen(tile_.pixels());  // object
     for (const ShadingPoint& point : hits_.points)
-        if (view_.world.body(point.hit.object) == nullptr)
-            add(point, &Pixel::diffuse, view_.world.reflected().direct(point, shadow_rays()));
+        if (point.depth == 0) seen[point.pixel] = point.hit.object;
+    for (std::size_t pixel = 0; pixel < seen.size(); ++pixel)
+        if (seen[pixel] && seen[pixel] == seen[block_of(pixel)])
+            pixels_[pixel].specular = pixels_[block_of(pixel)].specular;
 }
 
 void TileRenderer::add_indirect_light() {
@@ -105,6 +133,7 @@ void TileRenderer::add_light_of_body(std::uint32_t object, const Exitance& exita
 
 // To each area light.
 int TileRenderer::shadow_rays() const {
+    if (view_.quality == Quality::draft) return 1;
     return std::max(1, shadow_rays_of_pixel(view_.world.accuracy().tolerance) / view_.samples);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "render/film.h"
@@ -15,6 +16,8 @@ struct View {
     const PreparedScene& world;
     const Camera& camera;
     int samples;
+    Quality quality = Quality::full;
+    std::stop_token stop{};  ///< asked between tiles
 };
 
 /// The pixels of a tile, filled pass by pass, and what the camera rays of the pass have met. Each
@@ -26,6 +29,8 @@ public:
 
     /// Starts a pass.
     void find_hits(SampleRange range);
+    /// Ends it: what was met is forgotten.
+    void forget_hits() { hits_ = {}, vertices_ = {}; }
 
     /// The points of a body that were hit; `points` has room for all that are counted.
     std::size_t count_points(std::uint32_t object) const;
@@ -36,6 +41,10 @@ public:
     void add_single_scattering(std::uint32_t object);
     void add_reflected_light();
 
+    /// Gives all pixels of a draft's block what the first one sees in mirrors, where they see the
+    /// same object. To be called when all terms have been added.
+    void share_mirrors();
+
     /// Follows paths from opaque surfaces; what they meet of bodies waits for its exitance.
     void add_indirect_light();
     const std::vector<BodyVertex>& vertices() const { return vertices_; }
@@ -44,9 +53,11 @@ public:
 
     const Tile& tile() const { return tile_; }
     const std::vector<Pixel>& pixels() const { return pixels_; }
+    std::vector<Pixel> take_pixels() && { return std::move(pixels_); }
 
 private:
     int shadow_rays() const;
+    std::size_t block_of(std::size_t pixel) const;
     void add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance);
     void describe_surfaces();
     void add_seen_lights();

@@ -17,6 +17,7 @@ set(rules
   "precompute=common|precompute"
   "render=common|render"
   "material=common|precompute|render|material"
+  "viewer=common|precompute|render|viewer"
   "experiments/reference=common|experiments/reference")
 
 # LIBRARY HEADER PATTERN=FILES THAT MAY INCLUDE IT
@@ -32,13 +33,14 @@ set(fences
   "nlohmann/=(common/base/stats|material/material_json).cpp"
   "(unsupported/)?Eigen/=common/diffusion/boundary_operator.cpp"
   "hwy/=(common/(nbody|diffusion)/([a-z_]+-inl\\.h|group_sum\\.cpp|boundary_sum\\.cpp)|render/beam_gate\\.cpp)"
-  "SDL=viewer/.*")
+  "SDL=viewer/(window|sdl_input|text_painter)\\.(h|cpp)")
 
 set(errors "")
 file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR}
   ${SOURCE_DIR}/common/*.h ${SOURCE_DIR}/common/*.cpp ${SOURCE_DIR}/precompute/*.h
   ${SOURCE_DIR}/precompute/*.cpp ${SOURCE_DIR}/render/*.h ${SOURCE_DIR}/render/*.cpp
   ${SOURCE_DIR}/material/*.h ${SOURCE_DIR}/material/*.cpp
+  ${SOURCE_DIR}/viewer/*.h ${SOURCE_DIR}/viewer/*.cpp
   ${SOURCE_DIR}/experiments/reference/*.h ${SOURCE_DIR}/experiments/reference/*.cpp)
 if(NOT files)
   message(FATAL_ERROR "no sources under ${SOURCE_DIR}")

@@ -21,6 +21,9 @@ namespace {
 
 constexpr int kMaxThreads = 1024;  // chosen: more than any machine has, fewer than exhaust one
 
+// What CLI11 gives an option that may stand alone, and does.
+constexpr const char* kNoValue = "true";
+
 [[noreturn]] void refuse(const std::string& name, const std::string& expected,
                          const std::string& text) {
     throw UsageError(fmt::format("{}: expected {}, got '{}'", name, expected, text));
@@ -134,6 +137,17 @@ void CommandLine::text(const std::string& name, std::string& value, const std::s
                })
         ->type_name(type_name)
         ->default_str(value);
+}
+
+void CommandLine::optional_text(const std::string& name, std::optional<std::string>& value,
+                                const std::string& help, const std::string& type_name) {
+    impl_
+        ->bind(name, help,
+               [&value](const std::string&, const std::string& text) {
+                   value = text == kNoValue ? "" : text;
+               })
+        ->type_name("[" + type_name + "]")
+        ->expected(0, 1);
 }
 
 void CommandLine::text_list(const std::string& name, std::vector<std::string>& value,

@@ -31,6 +31,9 @@ public:
     void flag(const std::string& name, bool& value, const std::string& help);
     void text(const std::string& name, std::string& value, const std::string& help,
               const std::string& type_name = "TEXT");
+    /// A flag whose value may be left out: then it is the empty text.
+    void optional_text(const std::string& name, std::optional<std::string>& value,
+                       const std::string& help, const std::string& type_name);
     void text_list(const std::string& name, std::vector<std::string>& value,
                    const std::string& help, const std::string& type_name = "TEXT");
     void path(const std::string& name, std::optional<std::filesystem::path>& value,

@@ -122,6 +122,8 @@ void install_interrupt_handler() {
     std::signal(SIGTERM, on_signal);
 }
 
+void interrupt() { g_interrupted = true; }
+
 bool interrupted() { return g_interrupted.load(std::memory_order_relaxed); }
 
 }  // namespace tallow

@@ -46,4 +46,7 @@ int allowed_threads();
 void install_interrupt_handler();
 bool interrupted();
 
+/// The same by the program's own wish: loops of all threads stop, for good.
+void interrupt();
+
 }  // namespace tallow

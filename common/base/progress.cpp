@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace tallow {
@@ -69,6 +70,12 @@ void Progress::note(const std::string& line) {
     if (quiet_) return;
     const std::lock_guard lock(mutex_);
     print_to_people("{}{}\n", terminal_ ? kEraseLine : "", line);
+}
+
+Progress::State Progress::state() const {
+    const std::lock_guard lock(mutex_);
+    if (!active_) return {};
+    return {phase_, total_ > 0 ? std::min(1.0, double(done_) / double(total_)) : 1.0};
 }
 
 void Progress::draw(bool final) {

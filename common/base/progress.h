@@ -25,6 +25,13 @@ public:
     /// Prints a line of its own, for reports.
     void note(const std::string& line);
 
+    /// How far the phase is, for programs that show it themselves; may be asked from any thread.
+    struct State {
+        std::string phase;    // empty between phases
+        double fraction = 0;  // in [0, 1]
+    };
+    State state() const;
+
 private:
     void draw(bool final);
 
@@ -34,8 +41,8 @@ private:
     std::atomic<std::uint64_t> done_{0};
     std::atomic<std::int64_t> next_draw_ns_{0};
     std::chrono::steady_clock::time_point start_;
-    std::mutex mutex_;
-    bool active_ = false;
+    mutable std::mutex mutex_;
+    std::atomic<bool> active_{false};
 };
 
 }  // namespace tallow

@@ -7,6 +7,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -285,6 +286,30 @@ std::optional<Hit> RayScene::intersect(const Ray& ray, float length) const {
     rtcIntersect1(impl_->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return on_plane;
     return impl_->surface_hit(ray, query);
+}
+
+void RayScene::intersect(std::span<const Ray> rays, std::span<std::optional<Hit>> result) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (std::size_t start = 0; start < rays.size(); start += kPacket) {
+        const std::size_t count = std::min(kPacket, rays.size() - start);
+        const Lanes lanes(count);
+        std::array<ShadowRay, kPacket> segments;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Ray& ray = rays[start + i];
+            result[start + i] = impl_->intersect_planes(ray, kInfinity);
+            segments[i] = {ray.origin, ray.direction,
+                           result[start + i] ? result[start + i]->t : kInfinity};
+        }
+        RTCRayHit16 packet;
+        fill(packet.ray, std::span(segments).first(count));
+        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        rtcIntersect16(lanes.valid, impl_->scene, &context, &packet);
+        for (std::size_t i = 0; i < count; ++i)
+            if (packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
+                result[start + i] = impl_->lane_hit(packet, i);
+    }
 }
 
 std::optional<Hit> RayScene::intersect_object(const Ray& ray, std::uint32_t object,

@@ -40,6 +40,10 @@ public:
     /// Nearest hit in (0, length].
     std::optional<Hit> intersect(const Ray& ray, float length = kInfinity) const;
 
+    /// The same for many rays, in packets; faster where they start together and run side by side.
+    /// Of triangles that meet in one edge or point another one may be found.
+    void intersect(std::span<const Ray> rays, std::span<std::optional<Hit>> result) const;
+
     /// Nearest hit with one surface only: where a ray inside a body leaves it.
     std::optional<Hit> intersect_object(const Ray& ray, std::uint32_t object,
                                         float length = kInfinity) const;

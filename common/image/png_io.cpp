@@ -78,15 +78,19 @@ float srgb_decode(float stored) {
 }
 
 void write_png(const std::filesystem::path& file, const Image& image, float exposure_stops) {
-    const std::vector<std::uint8_t> pixels = encode_pixels(image, exposure_stops);
+    write_png(file, image.crop_width, image.crop_height, encode_pixels(image, exposure_stops));
+}
+
+void write_png(const std::filesystem::path& file, int width, int height,
+               std::span<const std::uint8_t> rgb) {
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.crop_width);
-    png.height = static_cast<png_uint_32>(image.crop_height);
+    png.width = static_cast<png_uint_32>(width);
+    png.height = static_cast<png_uint_32>(height);
     png.format = PNG_FORMAT_RGB;
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::string encoded(size, '\0');
-    if (!png_image_write_to_memory(&png, encoded.data(), &size, 0, pixels.data(), 0, nullptr))
+    if (!png_image_write_to_memory(&png, encoded.data(), &size, 0, rgb.data(), 0, nullptr))
         throw OutputError(
             fmt::format("{}: cannot encode the image: {}", file.string(), png.message));
     encoded.resize(size);

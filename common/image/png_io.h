@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "common/image/image.h"
 
@@ -37,5 +39,10 @@ float srgb_decode(float stored);
 /// only, and keeps black, white and greys what they are. `name.tmp`, then rename. Throws
 /// OutputError.
 void write_png(const std::filesystem::path& file, const Image& image, float exposure_stops = 0);
+
+/// Writes 8-bit sRGB, `rgb` [3 * (y * width + x) + channel], as it is. `name.tmp`, then rename.
+/// Throws OutputError.
+void write_png(const std::filesystem::path& file, int width, int height,
+               std::span<const std::uint8_t> rgb);
 
 }  // namespace tallow

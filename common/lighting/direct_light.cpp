@@ -36,7 +36,10 @@ public:
 
 private:
     void trace() {
-        rays_.occluded({ray_.data(), count_}, {occluded_.data(), count_});
+        if (count_ == 1)  // a packet with one ray takes half as long again
+            occluded_[0] = rays_.occluded(ray_[0]);
+        else
+            rays_.occluded({ray_.data(), count_}, {occluded_.data(), count_});
         for (std::size_t i = 0; i < count_; ++i)
             if (!occluded_[i]) sum_ += brings_[i];
         count_ = 0;

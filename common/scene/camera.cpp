@@ -20,21 +20,28 @@ Vec2 to_disc(Vec2 u) {
 
 }  // namespace
 
-Ray camera_ray(const Camera& camera, float x, float y, Vec2 lens) {
-    const Vec3 forward = glm::normalize(camera.look_at - camera.position);
-    const Vec3 right = glm::normalize(glm::cross(forward, camera.up));
-    const Vec3 up = glm::cross(right, forward);
-    // Half the image height at distance 1 spans half the field of view; pixels are square.
-    const auto width = static_cast<float>(camera.width);
-    const auto height = static_cast<float>(camera.height);
-    const float pixel_size = 2 * std::tan(camera.fov / 2) / height;
+CameraRays::CameraRays(const Camera& camera)
+    : camera_(camera),
+      forward_(glm::normalize(camera.look_at - camera.position)),
+      right_(glm::normalize(glm::cross(forward_, camera.up))),
+      up_(glm::cross(right_, forward_)),
+      // Half the image height at distance 1 spans half the field of view; pixels are square.
+      pixel_size_(2 * std::tan(camera.fov / 2) / static_cast<float>(camera.height)) {}
+
+Ray CameraRays::operator()(float x, float y, Vec2 lens) const {
+    const auto width = static_cast<float>(camera_.width);
+    const auto height = static_cast<float>(camera_.height);
     const Vec3 direction =
-        forward + (x - width / 2) * pixel_size * right + (height / 2 - y) * pixel_size * up;
-    if (camera.lens_radius == 0) return {camera.position, glm::normalize(direction)};
+        forward_ + (x - width / 2) * pixel_size_ * right_ + (height / 2 - y) * pixel_size_ * up_;
+    if (camera_.lens_radius == 0) return {camera_.position, glm::normalize(direction)};
     // All rays of an image point meet where its central ray crosses the plane that is sharp.
-    const Vec2 on_lens = camera.lens_radius * to_disc(lens);
-    const Vec3 offset = on_lens.x * right + on_lens.y * up;
-    return {camera.position + offset, glm::normalize(camera.focus * direction - offset)};
+    const Vec2 on_lens = camera_.lens_radius * to_disc(lens);
+    const Vec3 offset = on_lens.x * right_ + on_lens.y * up_;
+    return {camera_.position + offset, glm::normalize(camera_.focus * direction - offset)};
+}
+
+Ray camera_ray(const Camera& camera, float x, float y, Vec2 lens) {
+    return CameraRays(camera)(x, y, lens);
 }
 
 }  // namespace tallow

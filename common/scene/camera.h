@@ -50,6 +50,18 @@ struct Camera {
 /// 0.5) is its centre. Without a lens it does not matter.
 Ray camera_ray(const Camera& camera, float x, float y, Vec2 lens = Vec2(0.5f));
 
+/// The same for many rays of a camera, which must stand still meanwhile.
+class CameraRays {
+public:
+    explicit CameraRays(const Camera& camera);
+    Ray operator()(float x, float y, Vec2 lens = Vec2(0.5f)) const;
+
+private:
+    const Camera& camera_;
+    Vec3 forward_, right_, up_;
+    float pixel_size_;  // at distance 1
+};
+
 /// Frames that a camera has, from 0: those of the turntable, or up to the last keyframe; 1 if it
 /// stands still.
 int frame_count(const Camera& camera);

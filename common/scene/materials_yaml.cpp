@@ -165,14 +165,10 @@ MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
                     "exit", "surface", "albedo", "diffuse_limit", "shifts", "boundary_elements",
                     "transmission"});
     SubsurfaceMaterial material;
-    material.model = read_model(map);
+    use_model(material, read_model(map));
     material.medium = read_any_medium(map, material.model, context.lengths);
     // One choice so far; read all the same, so that a scene made for another is not misread.
     map.choice_or("surface", {{"smooth", 0}}, 0);
-    if (material.model == Model::body_aware) {
-        material.exit = Exit::directional;
-        material.shifts = material.boundary_elements = true;
-    }
     material.exit = map.choice_or("exit",
                                   {{"normalized", Exit::normalized},
                                    {"classic", Exit::classic},

@@ -11,6 +11,13 @@ bool is_convex(const Shape& shape) { return !std::holds_alternative<MeshShape>(s
 
 }  // namespace
 
+void use_model(SubsurfaceMaterial& material, Model model) {
+    const bool knows_the_body = model == Model::body_aware;
+    material.model = model;
+    material.exit = knows_the_body ? Exit::directional : Exit::normalized;
+    material.shifts = material.boundary_elements = knows_the_body;
+}
+
 int indirect_bounces(const Scene& scene) {
     if (scene.settings.bounces) return *scene.settings.bounces;
     if (scene.objects.empty()) return 0;

@@ -56,6 +56,10 @@ struct SubsurfaceMaterial {
     SurfaceColor albedo{Rgb(1)};
 };
 
+/// Sets the model, and what goes with it unless a scene says otherwise: exit, shifts and boundary
+/// elements.
+void use_model(SubsurfaceMaterial& material, Model model);
+
 /// Lambertian reflection.
 struct DiffuseMaterial {
     SurfaceColor reflectance;

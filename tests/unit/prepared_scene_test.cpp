@@ -87,12 +87,12 @@ TEST_F(PreparedSceneTest, ChangesAreAsGoodAsPreparingAgain) {
                                                {colour},
                                                {dim, medium, model, colour}}) {
         const Scene other = scene_of(kScene, overrides);
-        world->change(other, no_diffuse_, stats_);
+        world->change(other, {}, no_diffuse_, stats_);
         const auto changed = render(*world, camera);
         EXPECT_NE(changed, before) << overrides.front();
         EXPECT_EQ(changed, render(*prepare(other), camera)) << overrides.front();
     }
-    world->change(scene_, no_diffuse_, stats_);
+    world->change(scene_, {}, no_diffuse_, stats_);
     EXPECT_EQ(render(*world, camera), before);
 }
 

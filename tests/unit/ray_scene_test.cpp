@@ -34,6 +34,38 @@ TEST(RayScene, LeavesTheThreadsOfAnUnlimitedProcess) {
     EXPECT_EQ(allowed_threads(), before);
 }
 
+// From a camera, side by side: a sphere before a cube before a plane, and nothing.
+TEST(RayScene, PacketsAreAsSingleRays) {
+    const glm::mat3 size(4.0f);
+    const std::vector<Surface> surfaces = {cube_mesh({size, Vec3(0.1f, 0.2f, 0)}),
+                                           SphereSurface{{glm::mat3(0.7f), Vec3(0.3f, 0.2f, 4)}},
+                                           PlaneSurface{Vec3(0, -3, 0), Vec3(0, 1, 0)}};
+    const RayScene scene(surfaces);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 400; ++i) {
+        const Vec3 to(0.5f * float(i % 20) - 5, 0.5f * float(i / 20) - 5, 0);
+        rays.push_back({Vec3(0, 0, 12), glm::normalize(to - Vec3(0, 0, 12))});
+    }
+    rays.resize(391);  // no whole number of packets
+    std::vector<std::optional<Hit>> hits(rays.size());
+    scene.intersect(rays, hits);
+    int met[3] = {}, nothing = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const auto single = scene.intersect(rays[i]);
+        ASSERT_EQ(hits[i].has_value(), single.has_value()) << i;
+        if (!single) {
+            ++nothing;
+            continue;
+        }
+        ++met[single->object];
+        EXPECT_EQ(hits[i]->object, single->object) << i;
+        EXPECT_LT(glm::distance(hits[i]->position, single->position), 1e-4) << i;
+        EXPECT_LT(glm::distance(hits[i]->n, single->n), 1e-4) << i;
+        EXPECT_NEAR(hits[i]->t, single->t, 1e-4) << i;
+    }
+    for (const int count : {met[0], met[1], met[2], nothing}) EXPECT_GT(count, 5);
+}
+
 // Rays in bundles meet what single rays meet: a mesh, a sphere inside it that is stepped over, and
 // a plane.
 TEST(RayScene, BundlesAreAsSingleRays) {
