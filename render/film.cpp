@@ -37,15 +37,16 @@ std::vector<LayerChannel> vector(const std::string& layer, Vec3 Pixel::*member) 
     return channels;
 }
 
-const std::array<std::string, 13> kLayers = {
-    "multiple",    "single", "diffuse", "specular", "emission", "scattered",  "exitance",
-    "error_bound", "albedo", "N",       "P",        "Z",        "evaluations"};
+const std::array<std::string, 14> kLayers = {
+    "multiple", "single",      "diffuse", "specular", "transmitted", "emission", "scattered",
+    "exitance", "error_bound", "albedo",  "N",        "P",           "Z",        "evaluations"};
 
 std::vector<LayerChannel> layer_channels(const std::string& layer) {
     if (layer == "multiple") return colour(layer, &Pixel::multiple);
     if (layer == "single") return colour(layer, &Pixel::single);
     if (layer == "diffuse") return colour(layer, &Pixel::diffuse);
     if (layer == "specular") return colour(layer, &Pixel::specular);
+    if (layer == "transmitted") return colour(layer, &Pixel::transmitted);
     if (layer == "emission") return colour(layer, &Pixel::emission);
     if (layer == "scattered") return colour(layer, &Pixel::scattered);
     if (layer == "exitance") return colour(layer, &Pixel::exitance);

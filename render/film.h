@@ -17,6 +17,7 @@ struct Pixel {
     Rgb single;             // single scattering
     Rgb diffuse;            // light reflected by opaque surfaces
     Rgb specular;           // all that is seen in mirror reflections
+    Rgb transmitted;        // all that is seen through bodies
     Rgb scattered;          // multiple and single, also where they are seen in mirror reflections
     Rgb emission;           // lights seen directly
     Rgb exitance;           // M of translucent surfaces, W/mm^2
@@ -28,7 +29,7 @@ struct Pixel {
     float coverage = 0;     // share of rays that met a surface
     float evaluations = 0;  // kernel evaluations, all rays and channels
 
-    Rgb radiance() const { return multiple + single + diffuse + specular + emission; }
+    Rgb radiance() const { return multiple + single + diffuse + specular + transmitted + emission; }
 };
 
 /// Names of the layers that --aovs may ask for, in the order in which they are written.

@@ -9,16 +9,6 @@
 #include "common/optics/single_scattering.h"
 
 namespace tallow {
-namespace {
-
-constexpr int kMostSteps = 1024;  // chosen: beyond, lights have to be sampled better
-
-// Noise of single scattering with so many depths a pixel, relRMSE of its layer: fitted, see the
-// header.
-double march_noise(int steps) { return 1.25 * std::pow(steps, -0.9); }
-
-}  // namespace
-
 double single_scattering_share(Model model, const Medium& medium) {
     const double phase =
         std::max(1.0, 4 * std::numbers::pi * double(henyey_greenstein(medium.g, -1)));
@@ -34,19 +24,28 @@ double single_scattering_share(Model model, const Medium& medium) {
     return total > 0 ? std::sqrt(squares) / total : 0;
 }
 
-int march_steps_of_pixel(Model model, const Medium& medium, double tolerance) {
+MarchNoise march_noise(Connection connection, const Surface& surface) {
+    constexpr int kMost = 1024;  // chosen: beyond, lights have to be sampled better
+    if (connection == Connection::straight) return {1.25, 0.9, kMost};
+    if (std::holds_alternative<TriangleMesh>(surface)) return {1.1, 0.55, 128};
+    return {2.1, 0.9, kMost};
+}
+
+int march_steps_of_pixel(Model model, const Medium& medium, double tolerance, MarchNoise noise) {
     const double allowed = std::max(tolerance, 1e-4);
     const double share = single_scattering_share(model, medium);
     int steps = 1;
-    while (steps < kMostSteps && share * march_noise(steps) > allowed) steps *= 2;
+    while (steps < noise.most && share * noise.factor * std::pow(steps, -noise.power) > allowed)
+        steps *= 2;
     return steps;
 }
 
-int march_steps_of_pixel(const SubsurfaceMaterial& material, const Settings& settings,
-                         double tolerance) {
+int march_steps_of_pixel(const SubsurfaceMaterial& material, const Surface& surface,
+                         const Settings& settings, double tolerance) {
     return settings.single_scattering_depths
                ? *settings.single_scattering_depths
-               : march_steps_of_pixel(material.model, material.medium, tolerance);
+               : march_steps_of_pixel(material.model, material.medium, tolerance,
+                                      march_noise(material.connection, surface));
 }
 
 }  // namespace tallow

@@ -90,6 +90,34 @@ private:
     std::vector<double> roots_;
 };
 
+// Distance s from x's foot, of `distance` between the feet of x and y, at which light goes through
+// the plane:
+//
+//     f(s) = eta s / sqrt(s^2 + depth^2) - (distance - s) / sqrt((distance - s)^2 + height^2) = 0
+//
+// f grows with s: Newton's method from the angle of light at x's foot, inside a shrinking bracket.
+double refraction_offset(double eta, double depth, double height, double distance) {
+    constexpr int kMost = 100;           // 3 to 5 are usual
+    constexpr double kConverged = 1e-6;  // the last step; the error is about its square
+    double low = 0, high = distance;
+    const double sine = distance / (eta * std::sqrt(distance * distance + height * height));
+    double s = sine < 1 ? std::min(distance, depth * sine / std::sqrt(1 - sine * sine)) : distance;
+    for (int i = 0; i < kMost; ++i) {
+        const double rest = distance - s;
+        const double in2 = s * s + depth * depth, out2 = rest * rest + height * height;
+        const double in = std::sqrt(in2), out = std::sqrt(out2);
+        const double f = eta * s / in - rest / out;
+        (f > 0 ? high : low) = s;
+        double next = s - f / (eta * depth * depth / (in2 * in) + height * height / (out2 * out));
+        const bool inside = next >= low && next <= high;
+        if (!inside) next = (low + high) / 2;
+        const double step = std::abs(next - s);
+        s = next;
+        if (step <= (inside ? kConverged : 1e-15) * s) break;
+    }
+    return s;
+}
+
 DVec3 any_perpendicular(DVec3 unit) {
     return glm::normalize(
         glm::cross(unit, std::abs(unit.x) < 0.6 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
@@ -110,12 +138,7 @@ std::optional<DVec3> refract_through_plane(const Ends& ends, DVec3 point, DVec3 
         const double sine = distance / ends.eta;
         return foot + depth * sine / (distance * std::sqrt(1 - sine * sine)) * aside;
     }
-    const auto snell = [&](double s) {
-        const double rest = distance - s;
-        return ends.eta * s / std::sqrt(s * s + depth * depth) -
-               rest / std::sqrt(rest * rest + height * height);
-    };
-    return foot + root(snell, 0, distance) / distance * aside;
+    return foot + refraction_offset(ends.eta, depth, height, distance) / distance * aside;
 }
 
 std::vector<DVec3> refract_through_sphere(const Ends& ends, DVec3 center, double radius) {

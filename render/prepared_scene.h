@@ -10,6 +10,7 @@
 #include "common/exitance/exit_factor.h"
 #include "common/geometry/ray_scene.h"
 #include "common/scene/scene_geometry.h"
+#include "render/inner_light.h"
 #include "render/refracted_connection.h"
 #include "render/shade.h"
 
@@ -32,6 +33,7 @@ struct PreparedBody {
     ExitanceField exitance;
     int march_steps;                                  // of a pixel; see march_steps_of_pixel()
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
+    std::optional<InnerLight> inner;                  // where it matters to single scattering
 };
 
 /// What every picture of a scene has in common, whatever its camera: the ray tracer's hierarchy,
@@ -65,6 +67,8 @@ public:
     const PreparedBody* body(std::uint32_t object) const {
         return bodies_[object] ? &*bodies_[object] : nullptr;
     }
+    /// [object] whether camera rays pass it; see find_primary_hits().
+    const std::vector<bool>& clear() const { return clear_; }
     const ReflectedLight& reflected() const { return *reflected_; }
     Rgb albedo_of(std::uint32_t object) const { return albedos_[scene_.objects[object].material]; }
     /// Whether surfaces reflect light that was reflected before.
@@ -74,6 +78,8 @@ public:
 private:
     void prepare(Scene scene, const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
     void prepare_bodies(const std::vector<std::optional<Rgb>>& diffuse, Stats& stats);
+    std::vector<bool> find_clear_bodies() const;
+    void follow_inner_light(const BodyView& view, PreparedBody& body, Stats& stats) const;
     PreparedBody prepare_body(const BodyView& view, const LitSamples& samples,
                               std::optional<PreparedBody>& before) const;
 
@@ -85,6 +91,7 @@ private:
     std::vector<std::optional<PreparedBody>> bodies_;  // [object]
     std::optional<ReflectedLight> reflected_;
     std::vector<Rgb> albedos_;  // [material]
+    std::vector<bool> clear_;   // [object]
     bool indirect_ = false;
 };
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels -> what is seen in them: camera rays and their chains of mirror reflections.
+// Pixels -> what is seen in them: camera rays, their chains of mirror reflections, and what they
+// become by passing bodies.
 #include "render/primary_hits.h"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <span>
 
 #include "common/base/errors.h"
 #include "common/base/rng.h"
 #include "common/optics/fresnel.h"
+#include "render/eye_path.h"
 
 namespace tallow {
 namespace {
@@ -51,62 +54,122 @@ std::span<const Vec2> lens_points(const Camera& camera) {
     return std::span(kPoints).first(camera.lens_radius > 0 ? std::size(kPoints) : 1);
 }
 
+/// A ray on its way through the scene.
+struct Way {
+    Ray ray;
+    Rgb throughput;
+    std::uint32_t depth = 0;  // number of surfaces met
+    bool through = false;     // as in ShadingPoint
+};
+
 class PathTracer {
 public:
-    PathTracer(const Scene& scene, const RayScene& rays, PrimaryHits& result)
-        : scene_(scene), rays_(rays), result_(result) {}
+    PathTracer(const Scene& scene, const RayScene& rays, const std::vector<bool>& clear,
+               PrimaryHits& result)
+        : scene_(scene), rays_(rays), clear_(clear), result_(result) {}
 
-    void follow(Ray ray, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed,
+    void follow(const Ray& ray, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed,
                 Rgb throughput) {
-        const std::uint64_t seed = mix_bits(pixel_seed + number + 1);
-        for (std::uint32_t depth = 0; depth <= kMaxMirrorDepth; ++depth) {
-            std::optional<Hit> hit = rays_.intersect(ray);
-            if (add_nearer_light(ray, hit ? hit->t : kInfinity, pixel, depth, throughput)) return;
-            if (!hit) return;
-            const Vec3 w_o = -ray.direction;
-            face(*hit, w_o);
-            result_.points.push_back({pixel, depth, number, mix_bits(seed + depth),
-                                      mix_bits(~pixel_seed + depth), *hit, w_o, throughput});
-
-            const Material& material = scene_.materials[scene_.objects[hit->object].material];
-            throughput *= mirror_reflectance(material, glm::dot(hit->n, w_o));
-            if (max_channel(throughput) < kLeastThroughput) return;
-            Vec3 direction = reflect(w_o, hit->n);
-            if (glm::dot(direction, hit->n_g) <= 0) direction = reflect(w_o, hit->n_g);
-            ray = {rays_.offset_origin(hit->position, hit->n_g, direction),
-                   glm::normalize(direction)};
+        ways_.assign(1, {ray, throughput});
+        for (std::size_t i = 0; i < ways_.size(); ++i) {
+            // Each with random decisions of its own.
+            const std::uint64_t own = pixel_seed + (std::uint64_t(i) << 32);
+            follow(Way(ways_[i]), pixel, number, own);
         }
     }
 
 private:
+    void follow(Way way, std::uint32_t pixel, std::uint32_t number, std::uint64_t pixel_seed) {
+        const std::uint64_t seed = mix_bits(pixel_seed + number + 1);
+        for (; way.depth <= kMaxMirrorDepth; ++way.depth) {
+            std::optional<Hit> hit = rays_.intersect(way.ray);
+            if (add_nearer_light(way, hit ? hit->t : kInfinity, pixel)) return;
+            if (!hit) return;
+            const Vec3 w_o = -way.ray.direction;
+            face(*hit, w_o);
+            result_.points.push_back({pixel, way.depth, way.through, number,
+                                      mix_bits(seed + way.depth), mix_bits(~pixel_seed + way.depth),
+                                      *hit, w_o, way.throughput});
+
+            const Material& material = scene_.materials[scene_.objects[hit->object].material];
+            if (!clear_.empty() && clear_[hit->object])
+                pass(std::get<SubsurfaceMaterial>(material.kind), way, *hit, w_o);
+            way.throughput *= mirror_reflectance(material, glm::dot(hit->n, w_o));
+            if (max_channel(way.throughput) < kLeastThroughput) return;
+            Vec3 direction = reflect(w_o, hit->n);
+            if (glm::dot(direction, hit->n_g) <= 0) direction = reflect(w_o, hit->n_g);
+            way.ray = {rays_.offset_origin(hit->position, hit->n_g, direction),
+                       glm::normalize(direction)};
+        }
+    }
+
+    // Into the body, over reflections inside, and out wherever light leaves.
+    void pass(const SubsurfaceMaterial& body, const Way& way, const Hit& hit, Vec3 w_o) {
+        const float eta = body.medium.eta;
+        const Rgb sigma_t = body.medium.sigma_t();
+        auto w = refract(w_o, hit.n, eta);
+        if (!w || glm::dot(*w, hit.n_g) >= 0) return;
+        Rgb carried = way.throughput * fresnel_transmittance(eta, glm::dot(w_o, hit.n)) *
+                      surface_tint(scene_, body.albedo, hit);
+        Vec3 from = hit.position, n_g = hit.n_g, direction = *w;
+        for (int k = 0; k <= kMaxInnerReflections; ++k) {
+            const auto end = rays_.intersect_object(
+                {rays_.offset_origin(from, n_g, direction), direction}, hit.object);
+            if (!end) return;
+            const float length = glm::length(end->position - from);
+            for (int c = 0; c < 3; ++c) carried[c] *= std::exp(-sigma_t[c] * length);
+            if (max_channel(carried) < kLeastThroughput) return;
+            const auto reflection = reflect_inside(direction, *end, eta);
+            if (!reflection) return;
+            leave(
+                way, *end, direction, eta,
+                carried * (1 - reflection->reflectance) * surface_tint(scene_, body.albedo, *end));
+            carried *= reflection->reflectance;
+            from = end->position, n_g = end->n_g, direction = reflection->direction;
+        }
+    }
+
+    void leave(const Way& way, const Hit& end, Vec3 direction, float eta, Rgb throughput) {
+        if (max_channel(throughput) < kLeastThroughput || ways_.size() >= kMaxRays) return;
+        const Vec3 n = glm::dot(direction, end.n) > 0 ? end.n : end.n_g;
+        const auto w = refract(-direction, -n, 1 / eta);
+        if (!w || glm::dot(*w, end.n_g) <= 0) return;
+        ways_.push_back({{rays_.offset_origin(end.position, end.n_g, *w), *w},
+                         throughput,
+                         way.depth + 1,
+                         way.through || way.depth == 0});
+    }
+
     // The nearest light before `limit`, if any; an environment is behind everything.
-    bool add_nearer_light(const Ray& ray, float limit, std::uint32_t pixel, std::uint32_t depth,
-                          Rgb throughput) {
+    bool add_nearer_light(const Way& way, float limit, std::uint32_t pixel) {
         std::optional<Emission> nearest;
         for (const Light& light : scene_.lights) {
-            std::optional<Emission> seen = see_light(light, ray);
+            std::optional<Emission> seen = see_light(light, way.ray);
             if (!seen || seen->t > limit || (nearest && nearest->t <= seen->t)) continue;
             seen->radiance *= scene_.groups[light.group].scale;
             nearest = seen;
         }
         if (!nearest) return false;
         // At equal infinite distance a hit cannot be: limit is infinite only if nothing was hit.
-        result_.lights.push_back({pixel, depth, throughput * nearest->radiance});
+        result_.lights.push_back(
+            {pixel, way.depth, way.through, way.throughput * nearest->radiance});
         return true;
     }
 
     const Scene& scene_;
     const RayScene& rays_;
+    const std::vector<bool>& clear_;  // [object]
     PrimaryHits& result_;
+    std::vector<Way> ways_;  // of one camera ray; the first is itself
 };
 
 }  // namespace
 
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range) {
+                              const Tile& tile, SampleRange range, const std::vector<bool>& clear) {
     PrimaryHits result;
     result.points.reserve(tile.pixels() * std::size_t(range.end - range.first));
-    PathTracer tracer(scene, rays, result);
+    PathTracer tracer(scene, rays, clear, result);
     std::uint32_t pixel = 0;
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x, ++pixel) {

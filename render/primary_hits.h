@@ -16,10 +16,11 @@ struct Tile {
     std::size_t pixels() const { return std::size_t(x1 - x0) * std::size_t(y1 - y0); }
 };
 
-/// A surface seen in a pixel, directly or in mirrors. hit.n faces w_o.
+/// A surface seen in a pixel, directly, in mirrors or through bodies. hit.n faces w_o.
 struct ShadingPoint {
     std::uint32_t pixel;       // index in the tile, row by row
-    std::uint32_t depth;       // number of mirror reflections before it; 0 is seen directly
+    std::uint32_t depth;       // number of surfaces met before it; 0 is seen directly
+    bool through;              // a body: the first surface that was met was passed, not mirrored
     std::uint32_t ray;         // number of the camera ray in its pixel
     std::uint64_t seed;        // of the random decisions made here
     std::uint64_t pixel_seed;  // the same for all camera rays of a pixel, at one depth
@@ -28,10 +29,11 @@ struct ShadingPoint {
     Rgb throughput;
 };
 
-/// A light seen in a pixel, directly or in mirrors.
+/// A light seen in a pixel, directly, in mirrors or through bodies.
 struct SeenLight {
     std::uint32_t pixel;
     std::uint32_t depth;
+    bool through;
     Rgb radiance;  // throughput applied
 };
 
@@ -44,6 +46,11 @@ struct PrimaryHits {
 /// carries less than 1e-10 by then; facing mirrors go dark beyond.
 inline constexpr std::uint32_t kMaxMirrorDepth = 8;
 
+/// Most reflections that a camera ray follows inside of a body, and most rays that one camera ray
+/// becomes by passing bodies. Chosen: in a clear ball each reflection at less than grazing angles
+/// keeps some percent.
+inline constexpr int kMaxInnerReflections = 12, kMaxRays = 64;
+
 /// Camera rays [first, end) of the `samples` that a pixel gets altogether.
 struct SampleRange {
     int first, end, samples;
@@ -52,12 +59,18 @@ struct SampleRange {
 /// Sends a range of stratified camera rays through each pixel of a tile, from all over the lens if
 /// there is one, and follows them over
 /// mirror reflections: off mirrors, and off the smooth dielectric surface of plastics and bodies,
-/// weighted with the Fresnel reflectance. Weights (throughputs and radiances) are divided by
+/// weighted with the Fresnel reflectance.
+///
+/// Bodies with clear[object] are passed as well: the ray is refracted in, keeps e^(-sigma_t s) of
+/// what it carries, is reflected inside as Fresnel's equations say, and goes on as a ray of its own
+/// wherever it is refracted out, to whatever stands there, other bodies and the same one again
+/// included. Weights (throughputs and radiances) are divided by
 /// range.samples.
 ///
 /// Throws   InputError if the camera is inside a translucent body.
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
-                              const Tile& tile, SampleRange range);
+                              const Tile& tile, SampleRange range,
+                              const std::vector<bool>& clear = {});
 
 /// Refuses a camera inside a translucent body: the method sees bodies from outside. Of a lens the
 /// centre and eight points of the rim are looked at. Throws InputError.

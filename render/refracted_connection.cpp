@@ -3,12 +3,22 @@
 // surface finds patches that obey Snell's law; what follows from a patch is common to all.
 #include "render/refracted_connection.h"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
 #include "common/base/overloaded.h"
+#include "common/cloud/morton.h"
 #include "render/plane_of_incidence.h"
 #include "render/refracting_face.h"
 
 namespace tallow {
 namespace {
+
+// Queries that are searched together: at most so many, and not farther from the first than this
+// part of its reach. Chosen by time on the standard cases.
+constexpr std::size_t kGroup = BeamQueries::kMost;
+constexpr float kSpan = 0.5f;
 
 /// A solution and the geometric normal of the surface there.
 struct Solution {
@@ -91,37 +101,86 @@ void find_on_flat_triangle(const TriangleMesh& mesh, std::size_t t, const Ends& 
     if (in_triangle(patch, origin)) add_once(ends, patch, found);
 }
 
-/// Tries the triangles that it is called with.
+Ends ends_of(const ConnectionQuery& query, float eta) {
+    const DVec3 position(query.y.position);
+    return {DVec3(query.x), query.y.at_infinity ? glm::normalize(position) : position,
+            query.y.at_infinity, double(eta)};
+}
+
+/// What one query finds of the triangles that it is called with.
 class MeshSearch {
 public:
-    MeshSearch(const TriangleMesh& mesh, const Ends& ends)
-        : mesh_(mesh), ends_(ends), cull_(ends) {}
+    MeshSearch(const TriangleMesh& mesh, const Ends& ends, float reach)
+        : mesh_(mesh), ends_(ends), reach_(reach), cull_(ends, reach) {}
 
     const RefractionCull& cull() const { return cull_; }
+    const Ends& ends() const { return ends_; }
 
-    void operator()(std::size_t t) {
-        if (!mesh_.corner_normals.empty())
-            find_on_face(SmoothTriangle(mesh_, t), ends_, cull_, patches_);
-        else if (const auto one = std::uint32_t(t);
-                 cull_.may_refract(bound_triangles(mesh_, &one, &one + 1)))
-            find_on_flat_triangle(mesh_, t, ends_, patches_);
+    void try_flat(std::uint32_t triangle) {
+        find_on_flat_triangle(mesh_, triangle, ends_, patches_);
+    }
+    void try_smooth(std::uint32_t triangle, const PatchBound& bound) {
+        if (cull_.may_refract(bound))
+            find_on_face(SmoothTriangle(mesh_, triangle), ends_, cull_, patches_);
     }
 
     std::vector<Solution> solutions() const {
         std::vector<Solution> solutions;
         for (const Patch& patch : patches_) {
             const DVec3 n_g = glm::normalize(glm::cross(patch.dp[0], patch.dp[1]));
-            if (on_both_sides(ends_, patch, n_g)) solutions.push_back({patch, n_g});
+            if (on_both_sides(ends_, patch, n_g) &&
+                glm::length(patch.p - ends_.x) <= double(reach_))
+                solutions.push_back({patch, n_g});
         }
         return solutions;
     }
 
 private:
     const TriangleMesh& mesh_;
-    const Ends& ends_;
+    Ends ends_;
+    float reach_;
     RefractionCull cull_;
     std::vector<Patch> patches_;
 };
+
+/// A ball around points, from their box.
+struct Ball {
+    Vec3 center;
+    float radius;
+    explicit Ball(const Box& box)
+        : center(0.5f * (box.low + box.high)),
+          radius(0.5f * glm::length(box.high - box.low) * (1 + 1e-5f)) {}
+};
+
+constexpr int kPlaceBits = 16, kPartShift = 3 * kPlaceBits;
+
+// Which of 8 x 8 parts of the sphere a direction belongs to, by the octahedral map.
+std::uint64_t part_of_sphere(Vec3 w) {
+    w /= std::abs(w.x) + std::abs(w.y) + std::abs(w.z);
+    Vec2 p(w.x, w.y);
+    if (w.z < 0) p = {std::copysign(1 - std::abs(w.y), w.x), std::copysign(1 - std::abs(w.x), w.y)};
+    const auto cell = [](float v) { return std::uint64_t(std::clamp(int(4 * (v + 1)), 0, 7)); };
+    return cell(p.x) << 3 | cell(p.y);
+}
+
+/// Queries in an order in which neighbours are near one another and lit from about the same
+/// direction.
+std::vector<std::uint32_t> order_of(std::span<const ConnectionQuery> queries,
+                                    std::vector<std::uint64_t>& keys) {
+    std::vector<Vec3> places;
+    for (const ConnectionQuery& query : queries) places.push_back(query.x);
+    keys = morton_codes(places, kPlaceBits);
+    std::vector<std::uint32_t> order(queries.size());
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        const auto& [x, y, reach] = queries[i];
+        keys[i] |= part_of_sphere(y.at_infinity ? y.position : y.position - x) << kPartShift;
+        order[i] = std::uint32_t(i);
+    }
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair(keys[a], a) < std::pair(keys[b], b);
+    });
+    return order;
+}
 
 RefractedPath make_path(const Ends& ends, const Solution& solution) {
     const DVec3 to_x = ends.x - solution.patch.p;
@@ -141,28 +200,92 @@ RefractedPath make_path(const Ends& ends, const Solution& solution) {
 
 RefractedConnections::RefractedConnections(const Surface& surface, float eta)
     : surface_(surface), eta_(eta) {
-    if (const auto* mesh = std::get_if<TriangleMesh>(&surface)) tree_.emplace(*mesh);
+    const auto* mesh = std::get_if<TriangleMesh>(&surface);
+    if (mesh == nullptr) return;
+    tree_.emplace(*mesh);
+    for (const std::uint32_t& triangle : tree_->order())
+        if (mesh->corner_normals.empty())
+            gates_.emplace_back(*mesh, triangle);
+        else
+            bounds_.push_back(bound_triangles(*mesh, &triangle, &triangle + 1));
 }
 
-std::vector<RefractedPath> RefractedConnections::find(Vec3 x, const LightPoint& y) const {
-    const DVec3 position(y.position);
-    const Ends ends{DVec3(x), y.at_infinity ? glm::normalize(position) : position, y.at_infinity,
-                    double(eta_)};
-    const auto solutions =
-        std::visit(Overloaded{
-                       [&](const TriangleMesh& mesh) {
-                           MeshSearch search(mesh, ends);
-                           tree_->visit(search.cull(), search);
-                           return search.solutions();
-                       },
-                       [&](const SphereSurface& sphere) { return find_on_ellipsoid(sphere, ends); },
-                       [&](const PlaneSurface& plane) { return find_on_plane(plane, ends); },
-                       [](const DiscSurface&) { return std::vector<Solution>{}; },
-                   },
-                   surface_);
+std::vector<RefractedPath> RefractedConnections::find(Vec3 x, const LightPoint& y,
+                                                      float reach) const {
     std::vector<RefractedPath> paths;
-    for (const Solution& solution : solutions) paths.push_back(make_path(ends, solution));
+    const ConnectionQuery query{x, y, reach};
+    find({&query, 1}, [&](std::size_t, const RefractedPath& path) { paths.push_back(path); });
     return paths;
+}
+
+void RefractedConnections::find(std::span<const ConnectionQuery> queries, const Use& use) const {
+    if (const auto* mesh = std::get_if<TriangleMesh>(&surface_)) {
+        std::vector<std::uint64_t> keys;
+        const std::vector<std::uint32_t> order = order_of(queries, keys);
+        for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+            const ConnectionQuery& query = queries[order[first]];
+            const auto belongs = [&](std::uint32_t i) {
+                const auto& other = queries[i];
+                return other.y.at_infinity == query.y.at_infinity &&
+                       keys[i] >> kPartShift == keys[order[first]] >> kPartShift &&
+                       length2(other.x - query.x) <= kSpan * kSpan * query.reach * query.reach;
+            };
+            while (last < order.size() && last - first < kGroup && belongs(order[last])) ++last;
+            find_together(*mesh, queries, {order.data() + first, last - first}, use);
+        }
+        return;
+    }
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        const Ends ends = ends_of(queries[i], eta_);
+        const auto solutions = std::visit(
+            Overloaded{
+                [&](const SphereSurface& sphere) { return find_on_ellipsoid(sphere, ends); },
+                [&](const PlaneSurface& plane) { return find_on_plane(plane, ends); },
+                [](const auto&) { return std::vector<Solution>{}; },
+            },
+            surface_);
+        for (const Solution& solution : solutions) use(i, make_path(ends, solution));
+    }
+}
+
+void RefractedConnections::find_together(const TriangleMesh& mesh,
+                                         std::span<const ConnectionQuery> queries,
+                                         std::span<const std::uint32_t> group,
+                                         const Use& use) const {
+    std::vector<MeshSearch> searches;
+    Box places, lights;
+    float farthest = 0;
+    searches.reserve(group.size());
+    BeamQueries beams(double{eta_});
+    for (std::uint32_t i : group) {
+        const Ends ends = ends_of(queries[i], eta_);
+        beams.set(searches.size(), ends, queries[i].reach);
+        searches.emplace_back(mesh, ends, queries[i].reach);
+        places.add(queries[i].x), lights.add(Vec3(ends.y));
+        farthest = std::max(farthest, queries[i].reach);
+    }
+    const auto visit = [&](const RefractionCull& cull) {
+        tree_->visit(cull, [&](std::size_t place) {
+            const std::uint32_t triangle = tree_->order()[place];
+            if (gates_.empty())
+                for (MeshSearch& search : searches) search.try_smooth(triangle, bounds_[place]);
+            else
+                for (std::uint32_t held = gates_[place].may_hold(beams); held != 0;
+                     held &= held - 1)
+                    searches[std::size_t(std::countr_zero(held))].try_flat(triangle);
+        });
+    };
+    if (group.size() == 1) {
+        visit(searches.front().cull());
+    } else {
+        const Ball x(places), y(lights);
+        visit(RefractionCull(
+            {DVec3(x.center), DVec3(y.center), queries[group[0]].y.at_infinity, double(eta_)},
+            x.radius, y.radius, farthest));
+    }
+    for (std::size_t k = 0; k < searches.size(); ++k)
+        for (const Solution& solution : searches[k].solutions())
+            use(group[k], make_path(searches[k].ends(), solution));
 }
 
 }  // namespace tallow

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/surface.h"
 #include "common/scene/light.h"
+#include "render/beam_gate.h"
 #include "render/refraction_tree.h"
 
 namespace tallow {
@@ -21,6 +24,13 @@ struct RefractedPath {
     float spread;   ///< see below
 };
 
+/// A point inside, a light, and the longest way inside, mm.
+struct ConnectionQuery {
+    Vec3 x;
+    LightPoint y;
+    float reach = kInfinity;
+};
+
 /// The refracted connections through one body's surface.
 ///
 /// A light of intensity I at y gives at x, across the refracted ray, the irradiance
@@ -29,7 +39,9 @@ struct RefractedPath {
 /// light, with curvature and interpolated normals taken into account; cos_i is that to the shading
 /// normal, which does the refracting.
 ///
-/// Meshes are searched by a hierarchy of balls and normal cones, with Newton's method at its end;
+/// Meshes are searched by a hierarchy of balls and normal cones around x. At its end stands, for
+/// flat triangles, a test whether x lies in the beam that the triangle makes of the light, for
+/// smooth ones Newton's method;
 /// ellipsoids the same way over their octants; planes, flat triangles and spheres are solved in the
 /// plane of incidence. Obstacles are not considered, other parts of the surface included. A disc
 /// encloses nothing and has no paths.
@@ -42,12 +54,27 @@ class RefractedConnections {
 public:
     RefractedConnections(const Surface& surface, float eta);
 
-    std::vector<RefractedPath> find(Vec3 x, const LightPoint& y) const;
+    /// Those that are not longer inside than `reach`, mm; with planes and spheres, all.
+    std::vector<RefractedPath> find(Vec3 x, const LightPoint& y, float reach = kInfinity) const;
+
+    /// The same for many queries, calling use(index of the query, path); neighbours that are lit
+    /// from about the same direction are searched together, so that many take less time each.
+    using Use = std::function<void(std::size_t, const RefractedPath&)>;
+    void find(std::span<const ConnectionQuery> queries, const Use& use) const;
+
+    /// Whether a shorter reach makes it faster: on meshes.
+    bool is_searched() const { return tree_.has_value(); }
 
 private:
     const Surface& surface_;
     float eta_;
     std::optional<RefractionTree> tree_;  // of a mesh
+    void find_together(const TriangleMesh& mesh, std::span<const ConnectionQuery> queries,
+                       std::span<const std::uint32_t> group, const Use& use) const;
+
+    // [place in the tree's order]
+    std::vector<BeamGate> gates_;     // of a flat mesh
+    std::vector<PatchBound> bounds_;  // of a smooth one
 };
 
 }  // namespace tallow

@@ -39,8 +39,11 @@ RefractionCull::Cone RefractionCull::cone(Vec3 d, float radius) const {
 }
 
 bool RefractionCull::may_refract(const PatchBound& bound) const {
-    const Cone to_x = cone(x_ - bound.center, bound.radius);
-    const Cone to_y = y_at_infinity_ ? Cone{y_, 1, 0, 0} : cone(y_ - bound.center, bound.radius);
+    const float farthest = reach_ + bound.radius + x_radius_;
+    if (length2(x_ - bound.center) > farthest * farthest) return false;
+    const Cone to_x = cone(x_ - bound.center, bound.radius + x_radius_);
+    const Cone to_y =
+        y_at_infinity_ ? cone(y_, y_radius_) : cone(y_ - bound.center, bound.radius + y_radius_);
     const bool normals = bound.cos_cone > 0;
     if (normals && to_y.cosine >= 0 && !may_face(bound, to_y.axis, to_y.cosine, to_y.sine))
         return false;

@@ -21,13 +21,23 @@ struct PatchBound {
 /// solution |h| = eta cos_t - cos_i is at most sqrt(eta^2 - 1), the value at grazing incidence; -h
 /// is along the normal; and the normal has y before and x behind it.
 ///
-/// Domain   eta >= 1.
+/// Parts farther from x than `reach` are refused as well.
+///
+/// Domain   eta >= 1, reach > 0, may be infinite.
 /// Source   the spindle, side and normal tests of [WZHB09] section 5, with balls for boxes.
 class RefractionCull {
 public:
-    explicit RefractionCull(const Ends& ends)
+    explicit RefractionCull(const Ends& ends, float reach = kInfinity)
+        : RefractionCull(ends, 0, 0, reach) {}
+
+    /// For all x within `x_radius` and all y within `y_radius` of the ends, directions at infinity
+    /// being points of the unit sphere.
+    RefractionCull(const Ends& ends, float x_radius, float y_radius, float reach)
         : x_(ends.x),
           y_(ends.y),
+          x_radius_(x_radius),
+          y_radius_(y_radius),
+          reach_(reach),
           y_at_infinity_(ends.y_at_infinity),
           eta_(float(ends.eta)),
           h_max_(float(std::sqrt(std::max(0.0, ends.eta * ends.eta - 1)))) {}
@@ -52,6 +62,8 @@ private:
     Cone cone(Vec3 d, float radius) const;
 
     Vec3 x_, y_;
+    float x_radius_, y_radius_;  // mm
+    float reach_;                // mm
     bool y_at_infinity_;
     float eta_, h_max_;
 };

@@ -16,7 +16,11 @@ class RefractionTree {
 public:
     explicit RefractionTree(const TriangleMesh& mesh);
 
-    /// Calls visit(t) for all triangles t that `cull` lets pass with their node, and some more.
+    /// Triangles in the order of the tree: neighbours follow one another.
+    const std::vector<std::uint32_t>& order() const { return order_; }
+
+    /// Calls visit(i) for all triangles order()[i] that `cull` lets pass with their node, and some
+    /// more.
     template <class Visit>
     void visit(const RefractionCull& cull, Visit&& visit) const {
         for (std::size_t i = 0; i < nodes_.size();) {
@@ -25,7 +29,7 @@ public:
                 i = node.skip;
                 continue;
             }
-            for (std::uint32_t k = 0; k < node.count; ++k) visit(order_[node.first + k]);
+            for (std::uint32_t k = 0; k < node.count; ++k) visit(node.first + k);
             ++i;
         }
     }

@@ -11,8 +11,10 @@
 
 namespace tallow {
 
-/// A body in which light is scattered. `surface` is that of `object`; `exact`, if any, belongs to
-/// the same surface.
+class InnerLight;
+
+/// A body in which light is scattered. `surface` is that of `object`; `exact` and `inner`, if any,
+/// belong to the same surface.
 struct ScatteringBody {
     const Scene& scene;
     const RayScene& rays;
@@ -21,6 +23,7 @@ struct ScatteringBody {
     const Medium& medium;
     const RefractedConnections* exact = nullptr;
     SurfaceColor albedo{Rgb(1)};
+    const InnerLight* inner = nullptr;
 };
 
 /// Where a body is seen, from outside: dot(hit.n, w_o) > 0. Points with the same seed have steps
@@ -44,7 +47,8 @@ inline MarchSteps lone_steps(int steps) { return {steps, steps}; }
 ///     L = F_t(w_o) / eta^2 * integral ds sigma_s e^(-sigma_t s)
 ///           * integral dw_i p(cos) L_i F_t(w_i) cos_i / cos_i' e^(-sigma_t s_i')
 ///
-/// The eye ray is refracted into the body and marched to where it leaves it first. Depths, see
+/// The eye ray is refracted into the body and marched to where it leaves it first; with `exact` it
+/// goes on where it is reflected inside, see follow_eye_rays(). Depths, see
 /// DepthSampler, and light samples are the three dimensions of one low-discrepancy sequence, with
 /// every second depth mirrored into the stratum of the one before. Bundles of rays go to the ray
 /// tracer together, so that many points at a time take less time each.
@@ -57,8 +61,10 @@ inline MarchSteps lone_steps(int steps) { return {steps, steps}; }
 /// With `exact`, which belongs to the same surface, light is sampled without regard to the depth
 /// and followed along every path that Snell's law allows: a light of area A and radiance L, drawn
 /// at y, gives L A cos_y F_t(cos_i) |dOmega_y / dA_x| in place of L F_t cos_i / cos_i' dw_i. See
-/// RefractedConnections. Where it focuses, noise is unbounded in principle (the density is the
-/// inverse root of the distance to a caustic); in pictures it is hardly seen.
+/// RefractedConnections. Paths through meshes are searched up to a length that is drawn by chance.
+/// With `inner` light is added that was reflected inside before it scatters. Where it focuses,
+/// noise is unbounded in principle (the density is the inverse root of the distance to a caustic);
+/// in pictures it is hardly seen.
 ///
 /// The body's albedo tints light where it enters and where it leaves; see surface_tint().
 ///
@@ -86,9 +92,8 @@ inline MarchSteps lone_steps(int steps) { return {steps, steps}; }
 ///          Of the straight line, on a wax ball of radius 12 mm under parallel light from the side,
 ///          by the cosine of the surface to the light: 2 % too dark from 0.4 to 1, right at 0.35,
 ///          6 % too bright at 0.25, 28 % at 0.15, 160 % at 0.05, and bright beyond the terminator,
-///          where nearly no light is. Exact paths take 2 to 3 times as long on a sphere; on a
-///          mesh of 126k triangles 70 (flat) to 300 times (smooth), 0.1 to 0.4 ms a light and
-///          depth.
+///          where nearly no light is. Exact paths take 2 to 3 times as long on a sphere, and about
+///          5 times on the bunny (flat, 75k triangles).
 /// Source   [JMLH01] section 2.2 and 3.2; cos_i / cos_i' is the change of solid angle and of
 ///          projected area at the surface, which the paper leaves out. [WZHB09] for exact paths.
 void single_scatter(const ScatteringBody& body, std::span<const EyePoint> points, MarchSteps steps,

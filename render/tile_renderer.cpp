@@ -14,10 +14,14 @@ namespace {
 // least so many each.
 constexpr int kPathsPerPixel = 64, kLeastPaths = 1;
 
+// The layer of what is not the first surface of a camera ray.
+Rgb Pixel::*layer_behind(bool through) { return through ? &Pixel::transmitted : &Pixel::specular; }
+
 }  // namespace
 
 void TileRenderer::find_hits(SampleRange range) {
-    hits_ = find_primary_hits(view_.world.scene(), view_.world.rays(), view_.camera, tile_, range);
+    hits_ = find_primary_hits(view_.world.scene(), view_.world.rays(), view_.camera, tile_, range,
+                              view_.world.clear());
     describe_surfaces();
     add_seen_lights();
 }
@@ -73,7 +77,7 @@ void TileRenderer::add_single_scattering(std::uint32_t object) {
     std::vector<Rgb> L(points.size());
     single_scatter({view_.world.lit(), view_.world.rays(), view_.world.surface(object), object,
                     body.material->medium, body.connections ? &*body.connections : nullptr,
-                    body.material->albedo},
+                    body.material->albedo, body.inner ? &*body.inner : nullptr},
                    eyes, steps, L);
     for (std::size_t i = 0; i < points.size(); ++i) add(*points[i], &Pixel::single, L[i]);
 }
@@ -104,12 +108,14 @@ int TileRenderer::shadow_rays() const {
     return std::max(1, shadow_rays_of_pixel(view_.world.accuracy().tolerance) / view_.samples);
 }
 
-// Adds radiance seen at a point to its layer; what mirrors show belongs to their specular.
+// Adds radiance seen at a point to its layer; what mirrors show belongs to their specular, what is
+// seen through bodies to transmitted.
 void TileRenderer::add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radiance) {
     Pixel& pixel = pixels_[point.pixel];
     const Rgb light = point.throughput * radiance;
-    pixel.*(point.depth == 0 ? layer : &Pixel::specular) += light;
-    if (layer == &Pixel::multiple || layer == &Pixel::single) pixel.scattered += light;
+    pixel.*(point.depth == 0 ? layer : layer_behind(point.through)) += light;
+    if (!point.through && (layer == &Pixel::multiple || layer == &Pixel::single))
+        pixel.scattered += light;
 }
 
 void TileRenderer::describe_surfaces() {
@@ -129,7 +135,7 @@ void TileRenderer::describe_surfaces() {
 
 void TileRenderer::add_seen_lights() {
     for (const SeenLight& light : hits_.lights)
-        pixels_[light.pixel].*(light.depth == 0 ? &Pixel::emission : &Pixel::specular) +=
+        pixels_[light.pixel].*(light.depth == 0 ? &Pixel::emission : layer_behind(light.through)) +=
             light.radiance;
 }
 

@@ -78,8 +78,10 @@ public:
                 plan_diffusion(object);
             }
         for (Material& material : result_.scene.materials)
-            if (auto* body = std::get_if<SubsurfaceMaterial>(&material.kind))
+            if (auto* body = std::get_if<SubsurfaceMaterial>(&material.kind)) {
                 plan_single_scattering(material.name, *body);
+                plan_transmission(material.name, *body);
+            }
         return std::move(result_);
     }
 
@@ -176,7 +178,8 @@ private:
         const std::string subject = "materials." + name;
         if (material.single_scattering != Switch::automatic) {
             decide(subject, "single scattering", material.single_scattering == Switch::on,
-                   material.single_scattering == Switch::on ? "marched" : "not marched", "forced");
+                   material.single_scattering == Switch::on ? marched(material) : "not marched",
+                   "forced");
             return;
         }
         const double bound = single_scattering_bound(material);
@@ -185,7 +188,7 @@ private:
         const bool computed = everything() || bound > allowed || edges > allowed;
         material.single_scattering = computed ? Switch::on : Switch::off;
         if (computed)
-            decide(subject, "single scattering", true, "marched",
+            decide(subject, "single scattering", true, marched(material),
                    everything() ? "everything is asked for"
                                 : fmt::format("up to {:.2g} of the light; thin edges {:.2g} of the "
                                               "surface",
@@ -195,17 +198,84 @@ private:
                    "the phase function turns too little light back", std::max(bound, edges));
     }
 
+    static const char* marched(const SubsurfaceMaterial& material) {
+        return material.connection == Connection::exact ? "marched, light along refracted paths"
+                                                        : "marched, light along straight lines";
+    }
+
+    /// Light that passes a body keeps e^(-sigma_t s); seen through it may be a lamp that is
+    /// kBrightest times as bright as the picture.
+    void plan_transmission(const std::string& name, SubsurfaceMaterial& material) {
+        const std::string subject = "materials." + name;
+        const bool forced = material.transmission != Switch::automatic;
+        if (forced) {
+            decide(subject, "transmission", material.transmission == Switch::on,
+                   material.transmission == Switch::on ? "camera rays pass" : "not followed",
+                   "forced");
+            return;
+        }
+        constexpr double kBrightest = 1000;
+        const double allowed = kShareOfTolerance * tolerance_;
+        const double paths = std::log(kBrightest / std::max(allowed, 1e-12));
+        const double bound = thin_share(material, paths);
+        const bool computed = everything() || bound > allowed;
+        material.transmission = computed ? Switch::on : Switch::off;
+        const std::string thin = fmt::format(
+            "{:.2g} of the surface is thinner than {:.2g} mean free paths", bound, paths);
+        decide(subject, "transmission", computed, computed ? "camera rays pass" : "not followed",
+               everything() ? "everything is asked for" : thin,
+               computed ? std::nullopt : std::optional(bound));
+    }
+
+    /// Largest share of the surface of a body of this material where refracted rays may cross it
+    /// within so many mean free paths of the clearest channel. In a ball their chords are longer
+    /// than 2 r cos_c, with the critical angle; a half-space they do not cross; of others it is
+    /// what lies near an edge.
+    double thin_share(const SubsurfaceMaterial& material, double paths) const {
+        const double eta = material.medium.eta;
+        const double cos_c = std::sqrt(std::max(0.0, 1 - 1 / (eta * eta)));
+        const double length = paths / double(min_channel(material.medium.sigma_t()));
+        double share = 0;
+        for (std::size_t object = 0; object < scene().objects.size(); ++object) {
+            if (subsurface(scene(), object) != &material) continue;
+            const Surface& surface = geometry_.surfaces[object];
+            if (std::holds_alternative<PlaneSurface>(surface)) continue;
+            const double thickness = smallest_extent(surface);
+            const bool round = is_sphere(surface);
+            share = std::max(share, round && thickness * cos_c > length
+                                        ? 0.0
+                                        : length / std::max(thickness, 1e-30));
+        }
+        return std::min(share, 1.0);
+    }
+
+    static double smallest_extent(const Surface& surface) {
+        const Box box = bounding_box(surface);
+        const Vec3 size = box.high - box.low;
+        return double(std::min({size.x, size.y, size.z}));
+    }
+
+    /// Not an ellipsoid.
+    static bool is_sphere(const Surface& surface) {
+        const auto* sphere = std::get_if<SphereSurface>(&surface);
+        if (sphere == nullptr) return false;
+        const glm::mat3 gram = glm::transpose(sphere->to_world.linear) * sphere->to_world.linear;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (std::abs(gram[i][j] - (i == j ? gram[0][0] : 0)) > 1e-4f * gram[0][0])
+                    return false;
+        return true;
+    }
+
     /// Share of the surface near edges so thin that light may pass them scattered once, forward:
     /// within 4 / sigma_t of a silhouette of the smallest body of this material.
     double bright_edge_share(const SubsurfaceMaterial& material) const {
         double share = 0;
         for (std::size_t object = 0; object < scene().objects.size(); ++object) {
             if (subsurface(scene(), object) != &material) continue;
-            const Box box = bounding_box(geometry_.surfaces[object]);
-            const Vec3 size = box.high - box.low;
-            const float thickness = std::min({size.x, size.y, size.z});
+            const double thickness = smallest_extent(geometry_.surfaces[object]);
             share = std::max(share, 4 / (double(min_channel(material.medium.sigma_t())) *
-                                         std::max(double(thickness), 1e-30)));
+                                         std::max(thickness, 1e-30)));
         }
         return std::min(share, 1.0);
     }

@@ -19,7 +19,7 @@ enum class Treatment {
 
 /// What of a scene is computed, decided from the scene alone, so that both programs agree.
 struct ScenePlan {
-    /// The scene with every `auto` of single scattering decided.
+    /// The scene with every `auto` of single scattering and transmission decided.
     Scene scene;
     std::vector<Treatment> treatment;         // [object]; samples for opaque ones
     std::vector<std::optional<Rgb>> diffuse;  // [object] total reflectance of diffuse bodies

@@ -141,22 +141,29 @@ Medium read_any_medium(const YamlMap& map, Model model, const LengthReader& leng
     return read_medium(map);
 }
 
+Switch read_switch(const YamlMap& map, const char* key) {
+    return map.choice_or(key,
+                         {{"auto", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}},
+                         Switch::automatic);
+}
+
 std::pair<Switch, Connection> read_single_scattering(const YamlMap& map) {
-    constexpr std::pair kAuto(Switch::automatic, Connection::straight);
-    constexpr std::pair kStraight(Switch::on, Connection::straight);
+    constexpr std::pair kAuto(Switch::automatic, Connection::exact);
+    constexpr std::pair kExact(Switch::on, Connection::exact);
     return map.choice_or("single_scattering",
                          {{"auto", kAuto},
-                          {"on", kStraight},
-                          {"off", std::pair(Switch::off, Connection::straight)},
-                          {"straight", kStraight},
-                          {"exact", std::pair(Switch::on, Connection::exact)}},
+                          {"on", kExact},
+                          {"off", std::pair(Switch::off, Connection::exact)},
+                          {"straight", std::pair(Switch::on, Connection::straight)},
+                          {"exact", kExact}},
                          kAuto);
 }
 
 MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     map.allow_only({"type", "preset", "dilution", "sigma_a", "sigma_s_prime", "sigma_s",
                     "diffuse_color", "mean_free_path", "g", "eta", "model", "single_scattering",
-                    "exit", "surface", "albedo", "diffuse_limit", "shifts", "boundary_elements"});
+                    "exit", "surface", "albedo", "diffuse_limit", "shifts", "boundary_elements",
+                    "transmission"});
     SubsurfaceMaterial material;
     material.model = read_model(map);
     material.medium = read_any_medium(map, material.model, context.lengths);
@@ -174,9 +181,8 @@ MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     material.shifts = map.choice_or("shifts", {{"on", true}, {"off", false}}, material.shifts);
     material.boundary_elements = map.choice_or("boundary_elements", {{"on", true}, {"off", false}},
                                                material.boundary_elements);
-    material.diffuse_limit = map.choice_or(
-        "diffuse_limit", {{"auto", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}},
-        material.diffuse_limit);
+    material.diffuse_limit = read_switch(map, "diffuse_limit");
+    material.transmission = read_switch(map, "transmission");
     std::tie(material.single_scattering, material.connection) = read_single_scattering(map);
     if (map.has("albedo")) material.albedo = read_surface_color(map, "albedo", context.textures);
     return material;

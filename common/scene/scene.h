@@ -32,8 +32,8 @@ enum class Switch { automatic, on, off };
 
 /// How light is followed through a body's surface to where it scatters once.
 enum class Connection {
-    straight,  ///< along a straight line, its length inside corrected
-    exact      ///< along every path that obeys Snell's law
+    straight,  ///< along a straight line, its length inside corrected: the papers' way
+    exact      ///< along every path that obeys Snell's law, and over reflections inside
 };
 
 struct SubsurfaceMaterial {
@@ -41,7 +41,9 @@ struct SubsurfaceMaterial {
     Model model = Model::transport;
     Exit exit = Exit::normalized;
     Switch single_scattering = Switch::automatic;
-    Connection connection = Connection::straight;
+    Connection connection = Connection::exact;
+    /// Whether light is followed that passes the body without being scattered.
+    Switch transmission = Switch::automatic;
     /// Whether the medium is taken for a diffuse surface, which it is where its mean free paths are
     /// far below a pixel.
     Switch diffuse_limit = Switch::automatic;

@@ -10,6 +10,9 @@
 namespace tallow {
 namespace {
 
+const Surface kBall = SphereSurface{}, kMesh = TriangleMesh{};
+const MarchNoise kStraight = march_noise(Connection::straight, kMesh);
+
 const Medium& preset(const char* name) { return find_preset(name)->medium; }
 
 // A half-space that scatters little gives back what is scattered once, and little else.
@@ -19,7 +22,7 @@ TEST(MarchSteps, AllLightOfAnAbsorberIsScatteredOnce) {
     EXPECT_NEAR(single_scattering_share(Model::transport, absorber), 1, 0.01);
     absorber.sigma_s_prime = Rgb(0);
     EXPECT_EQ(single_scattering_share(Model::transport, absorber), 0);
-    EXPECT_EQ(march_steps_of_pixel(Model::transport, absorber, 0.01), 1);
+    EXPECT_EQ(march_steps_of_pixel(Model::transport, absorber, 0.01, kStraight), 1);
 }
 
 // Measured in the picture of the bunny: 6.7 % in marble, 10 % in skim milk, 31 % in skin, where
@@ -42,23 +45,35 @@ TEST(MarchSteps, BackwardScatteringCounts) {
 TEST(MarchSteps, GrowWithTheAccuracyUpToALimit) {
     int previous = 0;
     for (const double tolerance : {0.03, 0.01, 0.003, 0.001}) {
-        const int steps = march_steps_of_pixel(Model::transport, preset("marble"), tolerance);
+        const int steps =
+            march_steps_of_pixel(Model::transport, preset("marble"), tolerance, kStraight);
         EXPECT_EQ(steps & (steps - 1), 0);
         EXPECT_GT(steps, previous) << tolerance;
         previous = steps;
     }
-    EXPECT_EQ(march_steps_of_pixel(Model::transport, preset("marble"), 0),
-              march_steps_of_pixel(Model::transport, preset("marble"), 1e-4));
-    EXPECT_LE(march_steps_of_pixel(Model::transport, preset("skin1"), 0), 1024);
+    EXPECT_EQ(march_steps_of_pixel(Model::transport, preset("marble"), 0, kStraight),
+              march_steps_of_pixel(Model::transport, preset("marble"), 1e-4, kStraight));
+    EXPECT_LE(march_steps_of_pixel(Model::transport, preset("skin1"), 0, kStraight), 1024);
+}
+
+// Refracted paths through a mesh need more depths than through a ball, but never too many.
+TEST(MarchSteps, FollowHowLightIsFollowed) {
+    const auto steps = [](const Surface& surface, double tolerance) {
+        return march_steps_of_pixel(Model::transport, preset("marble"), tolerance,
+                                    march_noise(Connection::exact, surface));
+    };
+    EXPECT_GT(steps(kMesh, 0.01), steps(kBall, 0.01));
+    EXPECT_EQ(steps(kMesh, 1e-4), 128);
 }
 
 TEST(MarchSteps, AreThoseOfTheSettingsIfThereAreAny) {
     const SubsurfaceMaterial material{preset("marble")};
     Settings settings;
-    EXPECT_EQ(march_steps_of_pixel(material, settings, 0.01),
-              march_steps_of_pixel(Model::transport, material.medium, 0.01));
+    EXPECT_EQ(march_steps_of_pixel(material, kBall, settings, 0.01),
+              march_steps_of_pixel(Model::transport, material.medium, 0.01,
+                                   march_noise(Connection::exact, kBall)));
     settings.single_scattering_depths = 60;
-    EXPECT_EQ(march_steps_of_pixel(material, settings, 0.01), 60);
+    EXPECT_EQ(march_steps_of_pixel(material, kBall, settings, 0.01), 60);
 }
 
 TEST(MarchSteps, AreSharedByTheCameraRaysOfAPixel) {

@@ -76,14 +76,14 @@ TEST_F(PreparedSceneTest, ChangesAreAsGoodAsPreparingAgain) {
     const std::string dim = "groups={key: {scale: [2, 1, 0.5]}, fill: {scale: 0}}",
                       medium = "materials.wax.sigma_a=[0.3, 0.1, 0.02]",
                       model = "materials.wax.model=better-dipole",
-                      exact = "materials.wax.single_scattering=exact",
+                      straight = "materials.wax.single_scattering=straight",
                       colour = "materials.floor.reflectance=[0.8, 0.1, 0.1]";
     for (const std::vector<std::string>& overrides :
          std::vector<std::vector<std::string>>{{dim},
                                                {medium},
                                                {model},
-                                               {exact},
-                                               {exact, dim},
+                                               {straight},
+                                               {straight, dim},
                                                {colour},
                                                {dim, medium, model, colour}}) {
         const Scene other = scene_of(kScene, overrides);

@@ -9,6 +9,7 @@
 
 #include "common/base/rng.h"
 #include "common/optics/fresnel.h"
+#include "render/plane_of_incidence.h"
 #include "render/refracting_face.h"
 #include "tests/support/ball_mesh.h"
 
@@ -259,6 +260,65 @@ TEST(RefractedConnections, HierarchyFindsWhatIsClose) {
     }
     const auto counts = compare_with_brute_force(mesh, 1.4f, points);
     EXPECT_GT(std::accumulate(counts.begin(), counts.end(), 0u), 24u);
+}
+
+/// All paths through flat triangles, each tried by itself.
+std::vector<Patch> find_on_flat_by_brute_force(const TriangleMesh& mesh, const Ends& ends) {
+    std::vector<Patch> found;
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const DVec3 corner(mesh.vertices[a]);
+        Patch patch{corner,
+                    {},
+                    {DVec3(mesh.vertices[b]) - corner, DVec3(mesh.vertices[c]) - corner},
+                    {DVec3(0), DVec3(0)}};
+        patch.n = glm::normalize(glm::cross(patch.dp[0], patch.dp[1]));
+        const auto p = refract_through_plane(ends, corner, patch.n);
+        if (!p) continue;
+        patch.p = *p;
+        const DVec3 d = *p - corner, n = glm::cross(patch.dp[0], patch.dp[1]);
+        const double u = glm::dot(glm::cross(d, patch.dp[1]), n) / glm::dot(n, n);
+        const double v = glm::dot(glm::cross(patch.dp[0], d), n) / glm::dot(n, n);
+        if (u >= 0 && v >= 0 && u + v <= 1) add_once(ends, patch, found);
+    }
+    return found;
+}
+
+// Many places together, lit by lamps far and near and by parallel light, lose nothing that each
+// finds alone, and nothing within reach that brute force finds.
+TEST(RefractedConnections, FlatMeshesLoseNothing) {
+    const TriangleMesh mesh = test::bumpy_mesh(4);
+    const Surface surface = mesh;
+    for (const float eta : {1.0f, 1.1f, 1.3f, 1.5f}) {
+        const RefractedConnections connections(surface, eta);
+        std::vector<ConnectionQuery> queries;
+        for (std::uint64_t i = 0; i < 600; ++i) {
+            LightPoint y = random_light(6, i / 40);  // as lamps have them: many alike
+            if (!y.at_infinity) y.position += random_point(i % 3 == 0 ? 0.1f : 2.0f, 9, i);
+            queries.push_back({random_point(8.9f, 5, i), y, i % 2 == 0 ? kInfinity : 4.0f});
+        }
+        std::vector<std::size_t> together(queries.size());
+        std::vector<double> sums(queries.size());
+        connections.find(queries, [&](std::size_t i, const RefractedPath& path) {
+            ++together[i], sums[i] += double(path.spread);
+        });
+        std::size_t all = 0;
+        for (std::size_t i = 0; i < queries.size(); ++i) {
+            const auto& [x, y, reach] = queries[i];
+            EXPECT_EQ(connections.find(x, y, reach).size(), together[i]) << eta << ' ' << i;
+            const DVec3 position(y.position);
+            const Ends ends{DVec3(x), y.at_infinity ? glm::normalize(position) : position,
+                            y.at_infinity, double(eta)};
+            std::size_t expected = 0;
+            double expected_sum = 0;
+            for (const Patch& patch : find_on_flat_by_brute_force(mesh, ends))
+                if (glm::length(patch.p - ends.x) <= double(reach))
+                    ++expected, expected_sum += spread(ends, patch);
+            EXPECT_EQ(together[i], expected) << eta << ' ' << i;
+            EXPECT_NEAR(sums[i], expected_sum, 1e-5 * expected_sum) << eta << ' ' << i;
+            all += expected;
+        }
+        EXPECT_GT(all, 300u);
+    }
 }
 
 // Flat triangles: a cube's faces are planes; the diagonal of a face must not count twice.

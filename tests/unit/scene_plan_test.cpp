@@ -117,6 +117,35 @@ TEST(ScenePlan, PureAbsorbersNeedNoSamples) {
     EXPECT_EQ(*plan.diffuse[0], Rgb(0));
 }
 
+Switch transmission_of(const ScenePlan& plan) {
+    return std::get<SubsurfaceMaterial>(plan.scene.materials[0].kind).transmission;
+}
+
+// A ball that no refracted ray crosses within 13 mean free paths is not passed, a smaller one and a
+// thin cube are; an order is obeyed.
+TEST(ScenePlan, LightPassesThinBodies) {
+    const auto ball = [](float radius, Switch order) {
+        PlannedScene test;
+        SubsurfaceMaterial marble = body_of(test::marble());
+        marble.transmission = order;
+        test.add({"marble", marble}, Vec3(0), radius);
+        return test.plan();
+    };
+    const ScenePlan big = ball(10, Switch::automatic);
+    EXPECT_EQ(transmission_of(big), Switch::off);
+    EXPECT_EQ(decision(big, "materials.marble", "transmission").bound, 0.0);
+    EXPECT_EQ(transmission_of(ball(2, Switch::automatic)), Switch::on);
+    EXPECT_EQ(transmission_of(ball(10, Switch::on)), Switch::on);
+    EXPECT_EQ(transmission_of(ball(2, Switch::off)), Switch::off);
+
+    PlannedScene cube;
+    cube.add({"marble", body_of(test::marble())}, Vec3(0), 10);
+    cube.geometry.surfaces[0] = cube_mesh({glm::mat3(10.0f), Vec3(0)});
+    EXPECT_EQ(transmission_of(cube.plan()), Switch::on);
+    cube.scene.settings.everything = true;
+    EXPECT_EQ(transmission_of(cube.plan()), Switch::on);
+}
+
 TEST(ScenePlan, BodiesThatNobodySeesAreNotSampled) {
     PlannedScene test;
     test.add({"marble", body_of(test::marble())}, Vec3(0, 0, 300), 10);  // behind the camera

@@ -101,7 +101,8 @@ TEST(SceneYaml, ReadsMaterials) {
     EXPECT_EQ(body.medium.eta, 1.5f);
     EXPECT_EQ(body.exit, Exit::classic);
     EXPECT_EQ(body.single_scattering, Switch::on);
-    EXPECT_EQ(body.connection, Connection::straight);
+    EXPECT_EQ(body.connection, Connection::exact);
+    EXPECT_EQ(body.transmission, Switch::automatic);
     const auto& candle = material_of<SubsurfaceMaterial>(scene, 1);
     EXPECT_EQ(candle.medium.sigma_a, Rgb(0.002f, 0.006f, 0.03f));
     EXPECT_EQ(candle.medium.sigma_s_prime, Rgb(1.9f, 1.6f, 1.1f));
@@ -161,7 +162,7 @@ TEST(SceneYaml, SingleScatteringNamesItsConnection) {
     EXPECT_EQ(material("exact").connection, Connection::exact);
     EXPECT_EQ(material("exact").single_scattering, Switch::on);
     EXPECT_EQ(material("straight").connection, Connection::straight);
-    EXPECT_EQ(material("on").connection, Connection::straight);
+    EXPECT_EQ(material("on").connection, Connection::exact);
     EXPECT_EQ(material("off").single_scattering, Switch::off);
 }
 

@@ -18,7 +18,7 @@ MODELS = {
     "body-aware-normalized-exit": {"model": "body-aware", "exit": "normalized"},
     "transport": {"model": "transport"},
     "photon-beam-diffusion": {"model": "photon-beam-diffusion"},
-    "classic": {"model": "dipole", "exit": "classic", "single_scattering": "on"},
+    "classic": {"model": "dipole", "exit": "classic", "single_scattering": "straight"},
     "dipole": {"model": "dipole"},
     "better-dipole": {"model": "better-dipole"},
     "normalized-diffusion": {"model": "normalized-diffusion"},
