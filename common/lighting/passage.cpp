@@ -89,7 +89,8 @@ void find_passages(const Scene& scene, const RayScene& rays, const Hit& hit, Vec
         const auto end = rays.intersect_object({origin, inside->direction}, hit.object, longest);
         // From outside: rounding put the ray there, at an edge.
         if (!end || glm::dot(inside->direction, end->n_g) <= 0) return;
-        const Rgb arriving = inside->weight * transmittance(sigma_t, end->t);
+        const float length = glm::length(end->position - inside->position);
+        const Rgb arriving = inside->weight * transmittance(sigma_t, length);
         const InnerMeeting meeting(*end, inside->direction, eta);
         if (const auto w = meeting.refracted()) {
             const Rgb weight =
