@@ -31,7 +31,7 @@ set(fences
   "CLI/=common/base/cli.cpp"
   "nlohmann/=(common/base/stats|material/material_json).cpp"
   "(unsupported/)?Eigen/=common/diffusion/boundary_operator.cpp"
-  "hwy/=common/nbody/([a-z_]+-inl\\.h|group_sum\\.cpp)"
+  "hwy/=(common/nbody/([a-z_]+-inl\\.h|group_sum\\.cpp)|render/beam_gate\\.cpp)"
   "SDL=viewer/.*")
 
 set(errors "")

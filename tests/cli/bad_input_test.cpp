@@ -215,7 +215,8 @@ TEST(BadInput, Flags) {
         {true, with(rendering, {"--crop", "4,4,4,8"}),
          "--crop: expected four integers X0,Y0,X1,Y1 inside 8 x 8 pixels, got '4,4,4,8'"},
         {true, with(rendering, {"--aovs", "depth"}),
-         "--aovs: expected all, none or some of multiple, single, diffuse, specular, emission, "
+         "--aovs: expected all, none or some of multiple, single, diffuse, specular, "
+         "transmitted, emission, "
          "scattered, exitance, error_bound, albedo, N, P, Z, evaluations, got 'depth'"},
         {true, with(rendering, {"--certify", "0.00001"}),
          "--certify: expected a number in [1e-4, 1), got '0.00001'"},
@@ -231,7 +232,7 @@ TEST(BadInput, Flags) {
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "
          "sigma_a, "
          "sigma_s_prime, sigma_s, diffuse_color, mean_free_path, g, eta, model, single_scattering, "
-         "exit, surface, albedo, diffuse_limit, shifts, boundary_elements"},
+         "exit, surface, albedo, diffuse_limit, shifts, boundary_elements, transmission"},
         {true, with(rendering, {"--set", "materials.wax.eta=1.4"}),
          "--set materials.wax.eta: materials has no 'wax'"},
         {true, with(rendering, {"--set", "eta"}), "--set: expected KEY=VALUE, got 'eta'"},

@@ -123,7 +123,8 @@ TEST(Pipeline, RadianceLayersSumToThePicture) {
     for (const char* c : {"R", "G", "B"}) {
         const std::vector<float> picture = channel(folder / "image.exr", c);
         std::vector<double> sum(picture.size(), 0);
-        for (const char* layer : {"multiple", "single", "diffuse", "specular", "emission"}) {
+        for (const char* layer :
+             {"multiple", "single", "diffuse", "specular", "transmitted", "emission"}) {
             const auto values = channel(folder / "image.exr", std::string(layer) + "." + c);
             double total = 0;
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i], total += values[i];
