@@ -134,7 +134,7 @@ void LightPaths::meet(Hit hit, Vec3 w_o, Walk& walk) const {
                            walk.bodies.push_back({walk.receiver, hit.object, hit.position, hit.n,
                                                   w_o, kInvPi * T * tint * walk.throughput});
                        mirror(hit, w_o, Rgb(fresnel_reflectance(body.medium.eta, cos_o)), walk);
-                       if (from_outside) pass(hit, w_o, walk);
+                       if (from_outside && body.transmission != Switch::off) pass(hit, w_o, walk);
                    },
                    [&](const DiffuseMaterial& diffuse) {
                        meet_base(hit, diffuse.reflectance.at(texture_point(scene_, hit)), 1, walk);

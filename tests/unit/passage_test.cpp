@@ -193,6 +193,16 @@ TEST(PassingPaths, LampBehindAnAbsorbingPlate) {
     EXPECT_LT(E.error, 0.02 * expected);
 }
 
+// A body that light is told not to pass leaves its shadow black.
+TEST(PassingPaths, EndAtBodiesWithoutTransmission) {
+    World world({EnvironmentLight{Rgb(1)}});
+    world.add_body({Rgb(0.01f), Rgb(0), 0, 1}, plate_at(5));
+    world.add({"floor", DiffuseMaterial{Rgb(0)}}, PlaneSurface{Vec3(0), {0, 0, 1}});
+    EXPECT_GT(irradiance(world, Vec3(0), {0, 0, 1}, 256).mean, 2.5);
+    std::get<SubsurfaceMaterial>(world.scene.materials[0].kind).transmission = Switch::off;
+    EXPECT_EQ(irradiance(world, Vec3(0), {0, 0, 1}, 256).mean, 0);
+}
+
 // Bodies behind bodies: a path that passes the first meets the second, and the same one whatever is
 // collected.
 TEST(PassingPaths, MeetBodiesBehindBodiesAlways) {
