@@ -102,7 +102,8 @@ def main() -> int:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", nargs="?", type=pathlib.Path, help="folder of tallow-reference")
     parser.add_argument("--noise", type=float, default=0.04, help="of the pixels [default: 0.04]")
-    parser.add_argument("--seconds", type=float, help="of each picture, where the noise does not stop it before")
+    parser.add_argument("--seconds", type=float, 
+                        help="stop each picture after so long, noisy or not")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, metavar="CASE")
     parser.add_argument("--table", action="store_true", help="write the table of references/README.md and stop")
     arguments = parser.parse_args()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""cup.py out.ply: makes data/cup.ply, a cup without a handle, 40 mm tall, its wall 2.6 to 3.4 mm thick.
+"""cup.py out.ply: makes data/cup.ply, a cup without a handle, 40 mm tall, its wall about 3 mm thick.
 
 Closed, 2-manifold, oriented outward, hollow, so that much of the light that leaves it meets it
 again; flat triangles of about 1 mm. It stands on y = 0 around the y axis. Needs nothing but
@@ -37,7 +37,7 @@ def divided(corners):
 
 
 def mesh():
-    """Vertices and triangles of the line turned around the y axis; its two ends are single points."""
+    """Vertices and triangles of the line turned around the y axis; its ends are single points."""
     line = divided(outline())
     last = len(line) - 2  # of the rings
     vertices = [(0.0, line[0][1], 0.0)]
