@@ -19,7 +19,7 @@ CASES = [
     "sphere-marble", "bunny-marble", "armadillo-marble", "bunny-skimmilk", "sphere-skimmilk",
     "leaf-marble", "armadillo-skimmilk", "leaf-skimmilk", "bunny-skin1", "sphere-skin1",
     "armadillo-skin1", "leaf-skin1", "sphere-dim", "bunny-dim", "armadillo-dim", "leaf-dim",
-    "elephant-wholemilk", "elephant-chicken1", "bunny_lamp-potato", "cup_sky-apple",
+    "elephant-wholemilk", "elephant-skin2", "elephant-chicken1", "bunny_lamp-potato", "cup_sky-apple",
 ]
 
 
@@ -102,7 +102,7 @@ def main() -> int:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", nargs="?", type=pathlib.Path, help="folder of tallow-reference")
     parser.add_argument("--noise", type=float, default=0.04, help="of the pixels [default: 0.04]")
-    parser.add_argument("--seconds", type=float, 
+    parser.add_argument("--seconds", type=float,
                         help="stop each picture after so long, noisy or not")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, metavar="CASE")
     parser.add_argument("--table", action="store_true", help="write the table of references/README.md and stop")

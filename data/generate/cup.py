@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""cup.py out.ply: makes data/cup.ply, a cup without a handle, 40 mm tall, its wall about 3 mm thick.
+"""cup.py out.ply: makes data/cup.ply, a cup without a handle, 40 mm tall, its wall 3 mm thick.
 
 Closed, 2-manifold, oriented outward, hollow, so that much of the light that leaves it meets it
 again; flat triangles of about 1 mm. It stands on y = 0 around the y axis. Needs nothing but

@@ -45,8 +45,8 @@ class Suites(unittest.TestCase):
 
     def test_unknown_setting(self):
         self.assert_fails(GOOD + "    modles: [dipole]\n", "5:5", "modles: unknown key, expected "
-                          "one of cases, models, indirect, tolerance, samples, bounces, "
-                          "indirect_samples, difference_limit")
+                          "one of cases, models, indirect, no_indirect, tolerance, samples, "
+                          "bounces, indirect_samples, difference_limit")
 
     def test_wrong_type(self):
         self.assert_fails(GOOD + "    samples: many\n", "5:5",
