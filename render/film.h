@@ -18,7 +18,7 @@ struct Pixel {
     Rgb diffuse;            // light reflected by opaque surfaces
     Rgb specular;           // all that is seen in mirror reflections
     Rgb transmitted;        // all that is seen through bodies
-    Rgb scattered;          // multiple and single, also where they are seen in mirror reflections
+    Rgb scattered;          // multiple and single, also in mirrors and through bodies
     Rgb emission;           // lights seen directly
     Rgb exitance;           // M of translucent surfaces, W/mm^2
     Rgb error_bound;        // of the exitance, against the plain sum over all samples

@@ -46,8 +46,7 @@ void decide(Plan& plan, Decision decision) {
 bool is_same(const ExitanceSource& a, const ExitanceSource& b) {
     return a.model == b.model && a.orders == b.orders && a.shifts == b.shifts &&
            a.boundary_elements == b.boundary_elements && a.exit == b.exit &&
-           a.tolerance == b.tolerance &&
-           a.medium.sigma_a == b.medium.sigma_a &&
+           a.tolerance == b.tolerance && a.medium.sigma_a == b.medium.sigma_a &&
            a.medium.sigma_s_prime == b.medium.sigma_s_prime && a.medium.g == b.medium.g &&
            a.medium.eta == b.medium.eta;
 }

@@ -82,8 +82,7 @@ inline int first_of_block(int coordinate) { return coordinate & ~1; }
 /// Throws   InputError if the camera is inside a translucent body.
 PrimaryHits find_primary_hits(const Scene& scene, const RayScene& rays, const Camera& camera,
                               const Tile& tile, SampleRange range,
-                              const std::vector<bool>& clear = {},
-                              Quality quality = Quality::full);
+                              const std::vector<bool>& clear = {}, Quality quality = Quality::full);
 
 /// Refuses a camera inside a translucent body: the method sees bodies from outside. Of a lens the
 /// centre and eight points of the rim are looked at. Throws InputError.

@@ -143,8 +143,7 @@ void TileRenderer::add(const ShadingPoint& point, Rgb Pixel::*layer, Rgb radianc
     Pixel& pixel = pixels_[point.pixel];
     const Rgb light = point.throughput * radiance;
     pixel.*(point.depth == 0 ? layer : layer_behind(point.through)) += light;
-    if (!point.through && (layer == &Pixel::multiple || layer == &Pixel::single))
-        pixel.scattered += light;
+    if (layer == &Pixel::multiple || layer == &Pixel::single) pixel.scattered += light;
 }
 
 void TileRenderer::describe_surfaces() {

@@ -122,7 +122,8 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
     std::array<ChannelReport, 3> reports;
     parallel_for(3, 1, [&](std::size_t c) {
         if (!solved_[c]) return;
-        const SourceSums sums(light, *kernels_[c], double(medium_.mean_free_path()[int(c)]), int(c));
+        const SourceSums sums(light, *kernels_[c], double(medium_.mean_free_path()[int(c)]),
+                              int(c));
         std::vector<float> phi;
         reports[c] = solve_channel(int(c), sums.in_infinite_medium(places, own),
                                    sums.leaving_half_space(places, own), result, phi);
@@ -203,8 +204,7 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
                 // What the layers' quadrature misses of the solid angle near the surface has the
                 // fluence of the cluster there.
                 const double value = sources[i * PointPacket::kSize + k] -
-                                     double(layers[i].layers.of[k]) +
-                                     double(phi[i]) * (1 - angle);
+                                     double(layers[i].layers.of[k]) + double(phi[i]) * (1 - angle);
                 at = inside ? std::max(0.0, value) : 0;
                 ++k;
             }

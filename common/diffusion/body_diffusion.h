@@ -50,8 +50,8 @@ public:
     struct Solution {
         Fields fine, coarse;
         std::vector<ClusterRadiance> radiance;  // [fine cluster] fluence, W/mm^2
-        int iterations = 0;     // of GMRES, the most of any channel
-        bool converged = true;  // GMRES did, and all is finite
+        int iterations = 0;                     // of GMRES, the most of any channel
+        bool converged = true;                  // GMRES did, and all is finite
 
         void add(Rgb scale, const Solution& b);
     };

@@ -56,7 +56,7 @@ private:
     void number_parents(const PatchTree& tree);
     void lift(int channel, std::span<const float> phi, std::vector<FluencePatch>& patches) const;
 
-    std::array<float, 3> s_, single_layer_;  // [channel], see BoundarySurface
+    std::array<float, 3> s_, single_layer_;              // [channel], see BoundarySurface
     std::vector<std::uint32_t> cluster_of_, parent_of_;  // [patch] or SurfacePatch::kNone
     std::vector<SurfacePatch> clusters_;
     std::vector<Parent> parents_;

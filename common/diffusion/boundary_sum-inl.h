@@ -326,7 +326,8 @@ public:
         for (std::size_t i = 0; i < PointPacket::kSize; i += hn::MaxLanes(d)) {
             const Way way(points_, i, patch.centroid);
             const auto inverse = Decay::inverse_root(way.u);
-            add(result_.solid_angle.of + i, patch_solid_angle(patch, way, Decay(0, way.u, inverse)));
+            add(result_.solid_angle.of + i,
+                patch_solid_angle(patch, way, Decay(0, way.u, inverse)));
             const PatchLayers layers(patch, way);
             add(result_.layers.of + i,
                 hn::Mul(phi, layers(Decay(s_, way.u, inverse), single_layer_)));

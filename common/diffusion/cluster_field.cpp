@@ -122,9 +122,8 @@ LeavingField::LeavingField(const SurfaceClusters& clusters,
 
 Rgb LeavingField::factor(Vec3 position, Vec3 n, Vec3 w_o) const {
     const float cos_o = std::clamp(glm::dot(w_o, n), 0.0f, 1.0f);
-    const Vec3 w = directional_
-                       ? (w_o - cos_o * n) / eta_ + cosine_inside(eta_, cos_o) * n
-                       : mean_cosine_ * n;
+    const Vec3 w =
+        directional_ ? (w_o - cos_o * n) / eta_ + cosine_inside(eta_, cos_o) * n : mean_cosine_ * n;
     Rgb F, rest, P, factor(1);
     neighbours_.visit(position, n, [&](std::uint32_t i, float weight) {
         const Item& item = items_[i];

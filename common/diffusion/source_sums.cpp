@@ -115,8 +115,9 @@ KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double 
         double sum = 0;
         for (const Depth& depth : kDepths)
             for (std::size_t n = 0; n < weights.size(); ++n)
-                sum += depth.weight * weights[n] *
-                       fluence_in_half_space(u, depth.t, kHalfSpaceNodes[n], reduced.alpha_prime, k);
+                sum +=
+                    depth.weight * weights[n] *
+                    fluence_in_half_space(u, depth.t, kHalfSpaceNodes[n], reduced.alpha_prime, k);
         return sum * reduced.sigma_t_prime;
     };
     return tabulate(kernel, unit, 1 / reduced.sigma_t_prime, range);
@@ -191,10 +192,9 @@ std::vector<double> SourceSums::sum(std::span<const Vec3> places,
     point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
     std::vector<double> result(sums.size());
     parallel_for(result.size(), 64, [&](std::size_t i) {
-        const double own =
-            own_sample[i] < 0
-                ? 0
-                : own_cell(places[i], std::size_t(own_sample[i]), kernel, sources, source);
+        const double own = own_sample[i] < 0 ? 0
+                                             : own_cell(places[i], std::size_t(own_sample[i]),
+                                                        kernel, sources, source);
         // Where samples are far apart, what is taken off for the own cell is rounding at best.
         result[i] = kernels_.factor * std::max(0.0, double(sums[i]) + own);
     });

@@ -45,7 +45,7 @@ struct SourceKernels {
     /// Out to `range` mm.
     SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel, double range);
 
-    double unit;  // mm
+    double unit;    // mm
     double factor;  // of all kernels: alpha' / (4 pi D)
     KernelTable in_infinite_medium, inside, leaving;
 };
@@ -87,8 +87,8 @@ private:
                             const KernelTable& kernel, std::size_t sources,
                             const SourceOf& source) const;
     template <class SourceOf>
-    double own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel,
-                    std::size_t sources, const SourceOf& source) const;
+    double own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel, std::size_t sources,
+                    const SourceOf& source) const;
 
     const EnteringLight& light_;
     const SourceKernels& kernels_;

@@ -135,8 +135,8 @@ ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::So
         P = at_clusters(ExitanceField(body_, lit, profiles, accuracy, shifts_));
     else
         P = at_clusters(field);
-    field.correct(LeavingField(diffusion_->clusters(), solution.radiance, solution.fine.H, P, medium_,
-                               directional_, strength_));
+    field.correct(LeavingField(diffusion_->clusters(), solution.radiance, solution.fine.H, P,
+                               medium_, directional_, strength_));
     return field;
 }
 

@@ -39,9 +39,7 @@ ExitanceField::ExitanceField(const LitSamples& samples, std::array<KernelTable, 
 ExitanceField::ExitanceField(const BodyView& body, const LitSamples& samples,
                              const ExitanceKernels& kernels, ExitanceAccuracy accuracy,
                              const ExitanceShifts& shifts)
-    : accuracy_(accuracy),
-      unit_(kernels.profiles[0].unit()),
-      shifts_(shifts) {
+    : accuracy_(accuracy), unit_(kernels.profiles[0].unit()), shifts_(shifts) {
     const ExitanceAccuracy of_terms = accuracy_of_terms(accuracy, kernels);
     std::vector<float> flux(samples.position.size());
     for (std::size_t c = 0; c < 3; ++c) {

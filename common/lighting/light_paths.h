@@ -25,16 +25,19 @@ struct BodyVertex {
 
 /// Paths that follow light backwards from a receiver over surfaces that reflect it: diffuse ones,
 /// with a shadow ray to each light; plastics, either by their base or by their coat; mirrors; and
-/// the smooth surface of translucent bodies, which also shine by themselves. Light that reaches the
-/// receiver without any reflection is not theirs: lights are seen in mirrors only.
+/// the smooth surface of translucent bodies, which also shine by themselves, and which light passes
+/// that is not scattered inside (find_passages()). Light that reaches the receiver with nothing in
+/// its way is not theirs: lights are seen in mirrors and through bodies only.
 ///
-/// Russian roulette ends a path with the share of light that a reflection takes, so that no
-/// contribution is cut off. Lights in mirrors are looked for before it: a coat that reflects a
-/// twenty-fifth of a lamp shows it always and faintly, not one time in twenty-five and bright.
+/// At a body a path may be mirrored or pass it, by one way or another: one of them is chosen by
+/// what each carries. Russian roulette ends a path with the share of light that is lost, so that no
+/// contribution is cut off. Lights in mirrors and behind bodies are looked for before it: a coat
+/// that reflects a twenty-fifth of a lamp shows it always and faintly, not one time in twenty-five
+/// and bright.
 class LightPaths {
 public:
     /// Light may be reflected up to `bounces` times, by diffuse surfaces and bodies; mirror
-    /// reflections do not count, up to kMostMirrors of them.
+    /// reflections and passages do not count, up to kMostMirrors of them.
     /// Objects with a reflectance in `diffuse` [object] are bodies that are taken for diffuse
     /// surfaces; empty if there are none.
     LightPaths(const Scene& scene, const RayScene& rays, int bounces,
@@ -53,17 +56,20 @@ public:
 
 private:
     struct Walk;
-    struct Reflection {
-        Vec3 direction;
+    /// A way on from a vertex; mirrored or passing a body if specular.
+    struct Onward {
+        Ray ray;
         Rgb weight;
-        bool mirror;
+        bool specular;
     };
 
+    void meet(Hit hit, Vec3 w_o, Walk& walk) const;
+    void mirror(const Hit& hit, Vec3 w_o, Rgb weight, Walk& walk) const;
+    void pass(const Hit& hit, Vec3 w_o, Walk& walk) const;
+    void meet_coated(const Hit& hit, Vec3 w_o, Rgb base, float eta, Walk& walk) const;
+    void meet_base(const Hit& hit, Rgb rho, float eta, Walk& walk) const;
     bool meet_light(const Ray& ray, Rgb weight, const Walk& walk) const;
-    std::optional<Reflection> meet(const Hit& hit, Vec3 w_o, Walk& walk) const;
-    std::optional<Reflection> meet_coated(const Hit& hit, Vec3 w_o, Rgb base, float eta,
-                                          Walk& walk) const;
-    std::optional<Reflection> meet_base(const Hit& hit, Rgb rho, float eta, Walk& walk) const;
+    std::optional<Onward> choose(const Walk& walk) const;
 
     const Scene& scene_;
     const RayScene& rays_;

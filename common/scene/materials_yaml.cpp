@@ -122,7 +122,7 @@ Medium read_artistic(const YamlMap& map, Model model, const LengthReader& length
 }
 
 Model read_model(const YamlMap& map) {
-    if (!map.has("model")) return SubsurfaceMaterial{}.model;
+    if (!map.has("model")) return Model::body_aware;
     const YamlNode& node = map.at("model");
     const auto found = std::ranges::find(kModels, std::string_view(node.text), &ModelName::first);
     if (node.kind != YamlNode::Kind::scalar || found == kModels.end())

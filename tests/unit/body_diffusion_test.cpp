@@ -239,8 +239,9 @@ TEST(BoundaryOperator, KnowsTheFluenceInside) {
         for (int i = 0; i < PointPacket::kSize; ++i) {
             radius[std::size_t(i)] = (i + 0.5) / PointPacket::kSize * 0.7 * kRadius;
             const float angle = float(i);
-            points.set(i, float(radius[std::size_t(i)]) *
-                              Vec3(std::cos(angle), std::sin(angle) * 0.6f, std::sin(angle) * 0.8f));
+            points.set(i,
+                       float(radius[std::size_t(i)]) *
+                           Vec3(std::cos(angle), std::sin(angle) * 0.6f, std::sin(angle) * 0.8f));
         }
         const SurfaceSum sum =
             equation.sum_layers(sphere.surface(), tree, 1, phi, std::span(&points, 1))[0];

@@ -163,7 +163,7 @@ TEST(IndirectLight, OneBodyShinesOnAnother) {
             const Vec3 w = glm::normalize(d);
             const float cos_i = glm::dot(w, b.normal[i]), cos_o = -glm::dot(w, a.normal[j]);
             if (cos_i <= 0 || cos_o <= 0) continue;
-            const double L = M[j] / std::numbers::pi * double(exit_factor(factors, cos_o)[0]);
+            const double L = M[j] / std::numbers::pi * double(exit_factor(factors, cos_o));
             expected += double(b.area[i]) * double(a.area[j]) * L *
                         double(fresnel_transmittance(1.3f, cos_i) * cos_i * cos_o / length2(d));
         }

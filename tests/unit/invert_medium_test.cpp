@@ -91,7 +91,7 @@ TEST(InvertMedium, ScenesMayNameEveryModel) {
     EXPECT_EQ(first_material(scene_of(kCamera + "materials: {a: {type: subsurface, preset: "
                                                 "marble}}\n"))
                   .model,
-              SubsurfaceMaterial{}.model);
+              Model::body_aware);
 }
 
 std::string refusal(const std::string& material) {

@@ -113,7 +113,7 @@ TEST_F(PreparedSceneTest, ScalesOfGroupsNeedNoSolve) {
     const float* kept = &world->body(0)->diffusion.of_group[0]->fine.B[0].r;
     for (const std::string groups :
          {"{key: {scale: [2, 1, 0.5]}, fill: {scale: 3}}", "{key: {scale: 0}, fill: {scale: 1}}"}) {
-        world->change(with(groups), no_diffuse_, stats_);
+        world->change(with(groups), {}, no_diffuse_, stats_);
         EXPECT_EQ(&world->body(0)->diffusion.of_group[0]->fine.B[0].r, kept);
         EXPECT_TRUE(world->body(0)->diffusion.of_group[1]);
         EXPECT_EQ(render(*world, camera), render(*prepare(with(groups)), camera)) << groups;
@@ -121,7 +121,7 @@ TEST_F(PreparedSceneTest, ScalesOfGroupsNeedNoSolve) {
     // Another medium is another solve.
     world->change(scene_of(kScene, {body_aware, "materials.wax.eta=1.4",
                                     "materials.wax.sigma_a=[0.3, 0.1, 0.02]"}),
-                  no_diffuse_, stats_);
+                  {}, no_diffuse_, stats_);
     EXPECT_NE(&world->body(0)->diffusion.of_group[0]->fine.B[0].r, kept);
 }
 

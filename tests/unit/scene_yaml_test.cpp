@@ -108,7 +108,8 @@ TEST(SceneYaml, ReadsMaterials) {
     EXPECT_EQ(candle.medium.sigma_s_prime, Rgb(1.9f, 1.6f, 1.1f));
     EXPECT_EQ(candle.medium.g, 0);
     EXPECT_EQ(candle.medium.eta, 1.43f);
-    EXPECT_EQ(candle.exit, Exit::normalized);
+    EXPECT_EQ(candle.model, Model::body_aware);
+    EXPECT_EQ(candle.exit, Exit::directional);
     EXPECT_EQ(candle.single_scattering, Switch::automatic);
     const auto& forward = material_of<SubsurfaceMaterial>(scene, 2);
     EXPECT_EQ(forward.medium.sigma_s_prime, Rgb(2.5f));
@@ -124,7 +125,7 @@ TEST(SceneYaml, BodyAwareModelSwitchesItsLayersOnAndTheyCanBeSwitchedOff) {
     const Scene scene = scene_of(R"(
 cameras: {main: {type: perspective, position: [0, 0, 9], look_at: [0, 0, 0], fov_deg: 30, resolution: [8, 8]}}
 materials:
-  plain: {type: subsurface, preset: marble}
+  plain: {type: subsurface, preset: marble, model: transport}
   aware: {type: subsurface, preset: marble, model: body-aware}
   partly: {type: subsurface, preset: marble, model: body-aware, shifts: off, exit: normalized}
   other: {type: subsurface, preset: marble, model: dipole, boundary_elements: on}

@@ -126,7 +126,7 @@ TEST_F(State, ModelsGoAround) {
 }
 
 TEST_F(State, ControlChoosesAmongTranslucentMaterials) {
-    EXPECT_EQ(state_.selected_material(), "wax: its own medium, model transport");
+    EXPECT_EQ(state_.selected_material(), "wax: its own medium, model body-aware");
     press_with(Key::control, Key::m);
     EXPECT_EQ(state_.selected_material(), "stone: its own medium, model body-aware");
     press(Key::m);
