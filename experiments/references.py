@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the reference pictures of the standard cases with tallow-reference.
+"""Makes the reference pictures of the standard and of the unseen cases with tallow-reference.
 
 experiments/references.py BIN --noise 0.04         adds to experiments/references/FIGURE-MEDIUM.exr
 experiments/references.py --table                  writes the table of experiments/references/README.md
@@ -19,29 +19,37 @@ CASES = [
     "sphere-marble", "bunny-marble", "armadillo-marble", "bunny-skimmilk", "sphere-skimmilk",
     "leaf-marble", "armadillo-skimmilk", "leaf-skimmilk", "bunny-skin1", "sphere-skin1",
     "armadillo-skin1", "leaf-skin1", "sphere-dim", "bunny-dim", "armadillo-dim", "leaf-dim",
+    "elephant-wholemilk", "elephant-skin2", "elephant-chicken1", "bunny_lamp-potato", "cup_sky-apple",
 ]
 
 
-def read_media() -> dict[str, str]:
-    """Name -> what stands behind it in cases/media.yaml, without its comment."""
+def folder_of(figure: str) -> pathlib.Path:
+    """Where the figure's scene and its media are."""
+    standard = HERE / "cases"
+    return standard if (standard / f"{figure}.yaml").exists() else standard / "unseen"
+
+
+def read_media(folder: pathlib.Path) -> dict[str, str]:
+    """Name -> what stands behind it in the folder's media.yaml, without its comment."""
     media = {}
-    for line in (HERE / "cases" / "media.yaml").read_text().splitlines():
+    for line in (folder / "media.yaml").read_text().splitlines():
         if line and not line.startswith("#"):
             name, value = line.split(": ", 1)
             media[name] = value.split("  #")[0]
     return media
 
 
-def command(program: pathlib.Path, case: str, noise: float) -> list[str]:
+def command(program: pathlib.Path, case: str, stop: list[str]) -> list[str]:
     figure, medium = case.split("-")
-    return [str(program), str((HERE / "cases" / f"{figure}.yaml").relative_to(HERE.parent)),
+    folder = folder_of(figure)
+    return [str(program), str((folder / f"{figure}.yaml").relative_to(HERE.parent)),
             "-o", str((FOLDER / f"{case}.exr").relative_to(HERE.parent)),
-            "--set", f"materials.body={read_media()[medium]}", "--noise", str(noise), "--resume"]
+            "--set", f"materials.body={read_media(folder)[medium]}", *stop, "--resume"]
 
 
-def make(program: pathlib.Path, cases: list[str], noise: float) -> None:
+def make(program: pathlib.Path, cases: list[str], stop: list[str]) -> None:
     for case in cases:
-        line = command(program, case, noise)
+        line = command(program, case, stop)
         print(" ".join(line), flush=True)
         subprocess.run(line, check=True, cwd=HERE.parent)
 
@@ -94,6 +102,8 @@ def main() -> int:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", nargs="?", type=pathlib.Path, help="folder of tallow-reference")
     parser.add_argument("--noise", type=float, default=0.04, help="of the pixels [default: 0.04]")
+    parser.add_argument("--seconds", type=float,
+                        help="stop each picture after so long, noisy or not")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, metavar="CASE")
     parser.add_argument("--table", action="store_true", help="write the table of references/README.md and stop")
     arguments = parser.parse_args()
@@ -102,7 +112,9 @@ def main() -> int:
     elif arguments.bin is None:
         parser.error("expected the folder of tallow-reference")
     else:
-        make(arguments.bin.resolve() / "tallow-reference", arguments.cases, arguments.noise)
+        stop = ["--noise", str(arguments.noise)]
+        stop += ["--seconds", str(arguments.seconds)] if arguments.seconds else []
+        make(arguments.bin.resolve() / "tallow-reference", arguments.cases, stop)
     return 0
 
 

@@ -21,12 +21,20 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "experiments"))
 
-from harness import published, report  # noqa: E402
-from harness.bench import Bench  # noqa: E402
-from harness.cases import cases_named  # noqa: E402
-from harness.points import write_csv  # noqa: E402
-from harness.programs import ProgramFailed  # noqa: E402
-from harness.suite import InputError, Mapping, checked, read_suite  # noqa: E402
+try:
+    from harness import published, report
+    from harness.bench import Bench
+    from harness.cases import cases_named
+    from harness.points import write_csv
+    from harness.programs import ProgramFailed
+    from harness.suite import InputError, Mapping, checked, read_suite
+except ModuleNotFoundError as missing:
+    if missing.name.partition(".")[0] == "harness":  # ours: no other Python would have it
+        raise
+    print(f"run.py: error: {sys.executable}: expected a Python with the packages of "
+          f"experiments/requirements.txt, got none called {missing.name}; "
+          "experiments/python experiments/run.py has them", file=sys.stderr)
+    sys.exit(2)
 
 KINDS = ["hierarchy", "sampling", "model", "total", "scaling", "reuse", "single"]
 
@@ -56,8 +64,15 @@ def experiments_of(suite, only):
 
 
 def suite_file(name):
+    """The suite of that name or in that file. Throws InputError for a name that is none."""
     path = pathlib.Path(name)
-    return path if path.suffix == ".yaml" else ROOT / "experiments/suites" / f"{name}.yaml"
+    if path.suffix == ".yaml":
+        return path
+    suites = {path.stem: path for path in sorted((ROOT / "experiments/suites").glob("*.yaml"))}
+    if name not in suites:
+        raise InputError(f"suite: expected a file *.yaml or one of {', '.join(suites)}, "
+                         f"got '{name}'")
+    return suites[name]
 
 
 def run_suite(path, output, only, fresh):

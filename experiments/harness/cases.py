@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The standard cases: a figure of experiments/cases in a medium of media.yaml."""
+"""The cases: a figure of experiments/cases in a medium of media.yaml beside it."""
 import dataclasses
 import hashlib
 import json
@@ -10,6 +10,7 @@ from .suite import InputError, read_yaml
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CASES = ROOT / "experiments" / "cases"
 REFERENCES = ROOT / "experiments" / "references"
+FOLDERS = [CASES, CASES / "unseen"]  # the standard cases, and those that no model was made with
 
 
 @dataclasses.dataclass(frozen=True)
@@ -17,6 +18,7 @@ class Case:
     """A scene file and what makes its body of the medium."""
     figure: str
     medium: str
+    folder: pathlib.Path = CASES
 
     @property
     def name(self):
@@ -24,7 +26,7 @@ class Case:
 
     @property
     def scene(self):
-        return CASES / f"{self.figure}.yaml"
+        return self.folder / f"{self.figure}.yaml"
 
     @property
     def reference(self):
@@ -33,7 +35,7 @@ class Case:
 
     def material(self, **changes):
         """The body's material as a flow mapping, some keys replaced: model="dipole"."""
-        return json.dumps({**read_yaml(CASES / "media.yaml")[self.medium], **changes})
+        return json.dumps({**read_yaml(self.folder / "media.yaml")[self.medium], **changes})
 
     def flags(self, **changes):
         """What turns the figure's scene into this case."""
@@ -51,7 +53,7 @@ class Case:
 
 
 def all_cases():
-    """Every figure in every medium, figures one after another."""
+    """Every standard figure in every standard medium, figures one after another."""
     figures = sorted(file.stem for file in CASES.glob("*.yaml") if file.stem != "media")
     media = read_yaml(CASES / "media.yaml")
     return [Case(figure, medium) for figure in figures for medium in media]
@@ -63,12 +65,15 @@ def cases_named(names):
 
 
 def case_named(name):
-    """FIGURE-MEDIUM. Throws InputError for one that is not there."""
+    """FIGURE-MEDIUM of one of FOLDERS. Throws InputError for one that is not there."""
     figure, _, medium = name.partition("-")
-    case = Case(figure, medium)
-    if not case.scene.exists():
-        raise InputError(f"{name}: no figure {case.scene}")
-    media = read_yaml(CASES / "media.yaml")
+    for folder in FOLDERS:
+        case = Case(figure, medium, folder)
+        if case.scene.exists():
+            break
+    else:
+        raise InputError(f"{name}: no figure {Case(figure, medium).scene}")
+    media = read_yaml(case.folder / "media.yaml")
     if medium not in media:
         raise InputError(f"{name}: expected a medium of {', '.join(media)}, got '{medium}'")
     return case

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Suite files: what is wrong with one is said with its place, before anything runs."""
 import pathlib
+import subprocess
+import sys
 import tempfile
 import unittest
 
 from images import ROOT, run, run_process
+from harness.cases import all_cases
 from harness.suite import read_suite, read_yaml
 from run import experiments_of
 
@@ -42,8 +45,8 @@ class Suites(unittest.TestCase):
 
     def test_unknown_setting(self):
         self.assert_fails(GOOD + "    modles: [dipole]\n", "5:5", "modles: unknown key, expected "
-                          "one of cases, models, indirect, tolerance, samples, bounces, "
-                          "indirect_samples, difference_limit")
+                          "one of cases, models, indirect, no_indirect, tolerance, samples, "
+                          "bounces, indirect_samples, difference_limit")
 
     def test_wrong_type(self):
         self.assert_fails(GOOD + "    samples: many\n", "5:5",
@@ -63,6 +66,12 @@ class Suites(unittest.TestCase):
         self.assert_fails(GOOD.replace("marble", "cheese"), "4:5", "cases: sphere-cheese: expected "
                           "a medium of marble, skimmilk, skin1, dim, got 'cheese'")
 
+    def test_cases_of_another_folder(self):
+        self.assert_fails(GOOD.replace("sphere-marble", "elephant-marble"), "4:5", "cases: "
+                          "elephant-marble: expected a medium of wholemilk, apple, potato, "
+                          "chicken1, skin2, got 'marble'")
+        self.assertNotIn("unseen", {case.folder.name for case in all_cases()})
+
     def test_repeated_key(self):
         self.assert_fails(GOOD + "title: Another\n", "5:1", "title: given twice")
 
@@ -79,10 +88,24 @@ class Suites(unittest.TestCase):
                           "expected the node content, but found '<stream end>'")
 
     def test_no_such_suite(self):
-        code, _, err = run_process("run.py", "nonsense")
-        self.assertEqual(code, 3)
-        self.assertEqual(err, f"run.py: error: {ROOT}/experiments/suites/nonsense.yaml: "
-                              "No such file or directory\n")
+        code, out, err = run_process("run.py", "nonsense")
+        self.assertEqual((code, out), (3, ""))
+        self.assertRegex(err, r"^run\.py: error: suite: expected a file \*\.yaml or one of "
+                              r"[a-z, -]*\bmodel-error, [a-z, -]*, got 'nonsense'\n$")
+        self.assertEqual(run_process("run.py", "nonsense", "--needs"), (code, out, err))
+
+    def test_no_such_file(self):
+        code, out, err = run_process("run.py", "nonsense.yaml")
+        self.assertEqual((code, out), (3, ""))
+        self.assertEqual(err, "run.py: error: nonsense.yaml: No such file or directory\n")
+
+    def test_a_python_without_packages(self):
+        done = subprocess.run([sys.executable, "-I", "-S", ROOT / "experiments/run.py", "quick"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        self.assertRegex(done.stderr, r"^run\.py: error: .*: expected a Python with the packages "
+                                      r"of experiments/requirements\.txt, got none called \w+; "
+                                      r"experiments/python experiments/run\.py has them\n$")
 
     def test_words_and_numbers_of_yaml_1_2(self):
         self.file.write_text(GOOD + "    indirect: [on, off]\n    tolerance: 1e-3\n")

@@ -42,6 +42,8 @@ class Settings:
     models: list[typing.Literal[tuple(MODELS)]] = dataclasses.field(
         default_factory=lambda: ["transport", "classic"])
     indirect: list[typing.Literal["on", "off"]] = dataclasses.field(default_factory=lambda: ["on"])
+    # Models measured without indirect light besides, where `indirect` does not say it of all.
+    no_indirect: list[typing.Literal[tuple(MODELS)]] = dataclasses.field(default_factory=list)
     tolerance: float = 0.005      # of the hierarchy and of the sampling, each
     samples: int = 64             # camera rays a pixel
     # Of indirect light where it is on, which takes most of the time on meshes; auto: the program's.
@@ -70,7 +72,8 @@ def series_of(model, indirect):
 
 
 def pairs_of(settings):
-    return [(model, indirect) for model in settings.models for indirect in settings.indirect]
+    pairs = [(model, indirect) for model in settings.models for indirect in settings.indirect]
+    return list(dict.fromkeys(pairs + [(model, "off") for model in settings.no_indirect]))
 
 
 def all_series(settings):
