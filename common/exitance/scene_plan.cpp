@@ -187,15 +187,30 @@ private:
         const double allowed = kShareOfTolerance * tolerance_;
         const bool computed = everything() || bound > allowed || edges > allowed;
         material.single_scattering = computed ? Switch::on : Switch::off;
+        const bool costly = !everything() && is_fine_mesh(material);
+        if (costly) material.connection = Connection::straight;
         if (computed)
             decide(subject, "single scattering", true, marched(material),
-                   everything() ? "everything is asked for"
-                                : fmt::format("up to {:.2g} of the light; thin edges {:.2g} of the "
-                                              "surface",
-                                              bound, edges));
+                   everything()
+                       ? "everything is asked for"
+                       : fmt::format("up to {:.2g} of the light; thin edges {:.2g} of the surface{}",
+                                     bound, edges,
+                                     costly ? "; refracted paths take long on fine meshes" : ""));
         else
             decide(subject, "single scattering", false, "left to the profile",
                    "the phase function turns too little light back", std::max(bound, edges));
+    }
+
+    // Refracted paths to a point take up to a hundred times as long as a straight line there
+    // (scenes/demo.yaml, 126k triangles); they are to be asked for.
+    bool is_fine_mesh(const SubsurfaceMaterial& material) const {
+        constexpr std::size_t kFewTriangles = 1000;
+        for (std::size_t object = 0; object < scene().objects.size(); ++object) {
+            if (subsurface(scene(), object) != &material) continue;
+            const auto* mesh = std::get_if<TriangleMesh>(&geometry_.surfaces[object]);
+            if (mesh != nullptr && mesh->triangles.size() > kFewTriangles) return true;
+        }
+        return false;
     }
 
     static const char* marched(const SubsurfaceMaterial& material) {
