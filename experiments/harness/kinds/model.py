@@ -10,18 +10,21 @@ from ..images import read_image
 from ..section import Plot, Section, Table
 from ..suite import require, require_each
 
-# What a material says to be of a model. "classic" is what Jensen & Buhler published.
+EXACT = {"single_scattering": "exact"}
+
+# What a material says to be of a model. "classic" is what Jensen & Buhler published; all others have
+# single scattering along refracted paths, which on meshes has to be asked for.
 MODELS = {
-    "body-aware": {"model": "body-aware"},
-    "body-aware-no-shifts": {"model": "body-aware", "shifts": "off"},
-    "body-aware-no-elements": {"model": "body-aware", "boundary_elements": "off"},
-    "body-aware-normalized-exit": {"model": "body-aware", "exit": "normalized"},
-    "transport": {"model": "transport"},
-    "photon-beam-diffusion": {"model": "photon-beam-diffusion"},
+    "body-aware": {"model": "body-aware", **EXACT},
+    "body-aware-no-shifts": {"model": "body-aware", "shifts": "off", **EXACT},
+    "body-aware-no-elements": {"model": "body-aware", "boundary_elements": "off", **EXACT},
+    "body-aware-normalized-exit": {"model": "body-aware", "exit": "normalized", **EXACT},
+    "transport": {"model": "transport", **EXACT},
+    "photon-beam-diffusion": {"model": "photon-beam-diffusion", **EXACT},
     "classic": {"model": "dipole", "exit": "classic", "single_scattering": "straight"},
-    "dipole": {"model": "dipole"},
-    "better-dipole": {"model": "better-dipole"},
-    "normalized-diffusion": {"model": "normalized-diffusion"},
+    "dipole": {"model": "dipole", **EXACT},
+    "better-dipole": {"model": "better-dipole", **EXACT},
+    "normalized-diffusion": {"model": "normalized-diffusion", **EXACT},
 }
 
 # Layers of ours and what of the reference they are compared with, indirect light on and off. The
