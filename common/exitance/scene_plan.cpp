@@ -193,9 +193,9 @@ private:
             decide(subject, "single scattering", true, marched(material),
                    everything()
                        ? "everything is asked for"
-                       : fmt::format("up to {:.2g} of the light; thin edges {:.2g} of the surface{}",
-                                     bound, edges,
-                                     costly ? "; refracted paths take long on fine meshes" : ""));
+                       : fmt::format(
+                             "up to {:.2g} of the light; thin edges {:.2g} of the surface{}", bound,
+                             edges, costly ? "; refracted paths take long on fine meshes" : ""));
         else
             decide(subject, "single scattering", false, "left to the profile",
                    "the phase function turns too little light back", std::max(bound, edges));
