@@ -28,7 +28,7 @@ const Irradiance kUniform = [](Vec3, Vec3) { return Rgb(1); };
 class Body {
 public:
     Body(const Surface& surface, float spacing, const Irradiance& E)
-        : rays_(std::span(&surface, 1)), samples_(sample_surface(surface, spacing)) {
+        : surfaces_(1, surface), rays_(surfaces_), samples_(sample_surface(surface, spacing)) {
         const auto nodes = build_octree(samples_.position);
         std::vector<Rgb> E_t;
         std::vector<Vec3> w_i;
@@ -75,6 +75,7 @@ public:
     }
 
 private:
+    std::vector<Surface> surfaces_;
     RayScene rays_;
     SurfaceSamples samples_;
     LitSamples lit_;
