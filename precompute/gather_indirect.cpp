@@ -12,8 +12,8 @@
 #include "common/base/parallel.h"
 #include "common/base/rng.h"
 #include "common/exitance/body_exitance.h"
-#include "common/lighting/beams.h"
 #include "common/lighting/cosine_direction.h"
+#include "common/lighting/flights.h"
 #include "common/lighting/light_paths.h"
 #include "common/optics/fresnel.h"
 #include "precompute/tint_irradiance.h"
@@ -29,8 +29,8 @@ constexpr std::size_t kBlock = 64;  // samples of a task
 /// A body's exitance under each light group alone.
 using GroupFields = std::vector<std::unique_ptr<ExitanceField>>;
 
-GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView& body,
-                        const BodyExitance& exitance, float tolerance, DiffusionReport& worst) {
+GroupFields make_fields(const Scene& scene, const BodyView& body, const BodyExitance& exitance,
+                        float tolerance, DiffusionReport& worst) {
     GroupFields fields;
     for (std::size_t g = 0; g < scene.groups.size(); ++g) {
         std::vector<LightGroup> only(scene.groups.size(), {"", Rgb(0)});
@@ -40,10 +40,7 @@ GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView
             fields.push_back(nullptr);
             continue;
         }
-        const auto beams =
-            follow_beams(rays, body.object, lit, subsurface(scene, body.object)->medium.eta,
-                         exitance.beam_length());
-        const BodyDiffusion::Solution solution = exitance.solve(lit, beams);
+        const BodyDiffusion::Solution solution = exitance.solve(lit);
         add_worse(worst, exitance.report(solution));
         fields.push_back(std::make_unique<ExitanceField>(
             exitance.field(lit, solution, ExitanceAccuracy{tolerance})));
@@ -234,8 +231,10 @@ std::vector<DiffusionReport> gather_indirect(const Scene& scene, const RayScene&
     std::size_t samples = 0;
     for (SampledBody& body : bodies) {
         views.push_back(body.view());
-        exitance.emplace_back(views.back(), scene, Orders::all, ExitanceUse::paths,
-                              DiffusionWish{double(options.tolerance)});
+        exitance.emplace_back(
+            views.back(), scene, Orders::all, ExitanceUse::paths,
+            flights_in(rays, body.object, subsurface(scene, body.object)->medium.eta),
+            DiffusionWish{double(options.tolerance)});
         const std::size_t count = body.samples.size();
         light.push_back({dark(scene.groups.size(), count), {}});
         samples += count;
@@ -246,8 +245,8 @@ std::vector<DiffusionReport> gather_indirect(const Scene& scene, const RayScene&
     for (int round = 0; round < options.bounces; ++round) {
         std::vector<GroupFields> fields(scene.objects.size());
         for (std::size_t b = 0; b < bodies.size(); ++b)
-            fields[bodies[b].object] = make_fields(scene, rays, bodies[b].view(), exitance[b],
-                                                   options.tolerance, worst[b]);
+            fields[bodies[b].object] =
+                make_fields(scene, bodies[b].view(), exitance[b], options.tolerance, worst[b]);
         for (SampledBody& body : bodies) body.indirect = {};  // the fields have it
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             light[b].by_bodies = dark(scene.groups.size(), bodies[b].samples.size());

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
-#include "common/lighting/beams.h"
+#include "common/lighting/flights.h"
 #include "render/march_steps.h"
 
 namespace tallow {
@@ -146,9 +146,11 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, std::optional<Pre
                                 scene_.settings.tolerance};
     const bool same = before && is_same(before->source, source);
     PhaseTimer diffusion_timer(stats, material.boundary_elements ? "diffusion" : "octree");
-    BodyExitance exitance_of = same ? std::move(before->exitance_of)
-                                    : BodyExitance(view, scene_, orders, ExitanceUse::seen,
-                                                   DiffusionWish{double(source.tolerance)});
+    BodyExitance exitance_of =
+        same ? std::move(before->exitance_of)
+             : BodyExitance(view, scene_, orders, ExitanceUse::seen,
+                            flights_in(rays_, view.object, material.medium.eta),
+                            DiffusionWish{double(source.tolerance)});
     const Rgb gain = indirect_bounces(scene_) > 0 ? indirect_gain(material) : Rgb(0);
     GroupDiffusion diffusion{gain, {}};
     if (same && before->diffusion.indirect_gain == gain) diffusion = std::move(before->diffusion);
@@ -193,9 +195,7 @@ BodyDiffusion::Solution PreparedScene::solve(const BodyView& view, const BodyExi
             std::vector<LightGroup> only(groups.size(), {"", Rgb(0)});
             only[g].scale = Rgb(1);
             const LitSamples lit = light_samples(view, only, diffusion.indirect_gain);
-            const float eta = subsurface(scene_, view.object)->medium.eta;
-            of_group = exitance_of.solve(
-                lit, follow_beams(rays_, view.object, lit, eta, exitance_of.beam_length()));
+            of_group = exitance_of.solve(lit);
         }
         sum.add(groups[g].scale, *of_group);
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/parallel.h"
+#include "common/optics/fresnel.h"
 
 namespace tallow {
 namespace {
@@ -74,14 +75,71 @@ constexpr double kOrder = 2.0 / 3;
 // not through thin sheets.
 constexpr double kCoarseVariance = 0.5;
 
+// The ways back from where light leaves.
+std::vector<Flight> follow_back(const SurfaceClusters& clusters, const FollowFlights& follow,
+                                float longest) {
+    std::vector<Vec3> from, normal, w;
+    for (std::size_t i = 0; i < clusters.count(); ++i)
+        for (std::size_t d = 0; d < LeavingRays::kDirections; ++d) {
+            from.push_back(clusters.position[i]), normal.push_back(clusters.normal[i]);
+            w.push_back(-LeavingRays(clusters.normal[i]).direction(d));
+        }
+    return follow(from, normal, w, longest);
+}
+
+/// How much leaves after two scatterings or more, from two estimates: by what scatters for the last
+/// time on the way out, and by what diffusion lets leave in all, B, less what leaves after one.
+///
+///     M = weight sqrt(alpha') (B - c phi_1) + (1 - weight) (by the last flight)
+///     weight = max(0, 1 - 1.5 sqrt(1 - alpha'))
+///
+/// phi_1 is the fluence at the surface of light that scattered once; a share c of it leaves, here
+/// that of a half-space whose sources decay with the depth. The second knows that no light is lost,
+/// the first how absorption acts.
+///
+/// Error    docs/BODY_AWARE.md, against transport in slabs.
+class Balance {
+public:
+    explicit Balance(const ReducedChannel& reduced)
+        : weight_(std::max(0.0, 1 - 1.5 * std::sqrt(1 - reduced.alpha_prime))),
+          scale_(std::sqrt(reduced.alpha_prime)),
+          leaving_(share_leaving(reduced.eta)) {}
+
+    double mix(double B, double phi_1, double by_last_flight) const {
+        return weight_ * scale_ * (B - leaving_ * phi_1) + (1 - weight_) * by_last_flight;
+    }
+    std::vector<double> mix(std::vector<double> B, const std::vector<double>& phi_1,
+                            const std::vector<double>& by_last_flight) const {
+        for (std::size_t i = 0; i < B.size(); ++i) B[i] = mix(B[i], phi_1[i], by_last_flight[i]);
+        return B;
+    }
+
+private:
+    static double share_leaving(double eta) {
+        constexpr int kSteps = 2000;
+        constexpr double kEntry = 0.9;  // mean cosine of beams inside
+        double leaving = 0, all = 0;
+        for (int i = 0; i < kSteps; ++i) {
+            const double mu = (i + 0.5) / kSteps;
+            leaving +=
+                double(fresnel_transmittance(float(1 / eta), float(mu))) * mu / (mu + kEntry);
+            all += 1 / (mu + kEntry);
+        }
+        return leaving / all;
+    }
+
+    double weight_, scale_, leaving_;
+};
+
 }  // namespace
 
-float BodyDiffusion::deepest_source(const Medium& medium) {
-    return float(deepest_source_depth()) * max_channel(medium.mean_free_path());
+float BodyDiffusion::longest_flight(const Medium& medium) {
+    return float(kLongestFlight) * max_channel(medium.mean_free_path());
 }
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium,
-                             const ClusterWish& wish, std::array<bool, 3> solved)
+                             const ClusterWish& wish, const FollowFlights& follow,
+                             std::array<bool, 3> solved)
     : medium_(medium),
       solved_(solved),
       samples_(samples),
@@ -103,6 +161,7 @@ BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium
         while (tree_.patches[fine_.clusters.patch[i]].begin >= end(parent)) ++parent;
         parent_.push_back(parent);
     }
+    leaving_ = follow_back(fine_.clusters, follow, longest_flight(medium));
 }
 
 BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
@@ -124,10 +183,18 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         if (!solved_[c]) return;
         const SourceSums sums(light, *kernels_[c], double(medium_.mean_free_path()[int(c)]),
                               int(c));
+        const Balance of(reduced_channel(medium_, int(c)));
         std::vector<float> phi;
         reports[c] = solve_channel(int(c), sums.in_infinite_medium(places, own),
-                                   sums.leaving_half_space(places, own), result, phi);
-        if (!phi.empty()) find_radiance(int(c), sums, phi, own, result.radiance);
+                                   of.mix(sums.diffusion_leaving_half_space(places, own),
+                                          sums.on_its_way_out_of_half_space(places, own),
+                                          sums.leaving_half_space(places, own)),
+                                   result, phi);
+        if (phi.empty()) return;
+        find_radiance(int(c), sums, phi, own, result.radiance);
+        balance(int(c),
+                sums.on_its_way(fine_.clusters.position, std::span(own).first(clusters().count())),
+                result);
     });
     for (const ChannelReport& report : reports) {
         result.iterations = std::max(result.iterations, report.iterations);
@@ -168,49 +235,67 @@ BodyDiffusion::ChannelReport BodyDiffusion::solve_channel(int c, const std::vect
     return {fine.iterations, fine.converged && coarse.converged};
 }
 
-// The fluence inside along the ways on which light leaves each cluster, and what leaves of it.
+// The fluence inside along the ways on which light leaves each cluster, and what leaves of it:
+//
+//     X(w') = alpha' / (4 eta^2) 2 integral of F_t mu * integral over u of phi(x - u w') e^-u du
 void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
                                   std::span<const std::int64_t> own_sample,
                                   std::vector<ClusterRadiance>& radiance) const {
-    static_assert(LeavingRays::kDirections * LeavingRays::kNodes == PointPacket::kSize);
+    constexpr std::size_t kNodes = LeavingRays::kNodes, kDirections = LeavingRays::kDirections;
+    static_assert(kDirections * kNodes == PointPacket::kSize);
     const ReducedChannel reduced = reduced_channel(medium_, c);
+    const double factor = diffuse_fresnel_transmittance(reduced.eta) /
+                          (4 * reduced.eta * reduced.eta) * reduced.alpha_prime;
     // Of light that scattered once more, in Grosjean's parts.
     for (float& fluence : phi) fluence *= float(reduced.alpha_prime);
     const std::size_t n = fine_.clusters.count();
     std::vector<PointPacket> packets(n);
     std::vector<Vec3> points(n * PointPacket::kSize);
     std::vector<std::int64_t> own(points.size());
-    const auto rays = [&](std::size_t i) {
-        return LeavingRays(fine_.clusters.position[i], fine_.clusters.normal[i],
-                           1 / reduced.sigma_t_prime);
+    const auto collisions = [&](std::size_t i, std::size_t d) {
+        return Collisions(leaving_[i * kDirections + d], 1 / reduced.sigma_t_prime);
     };
-    for (std::size_t i = 0; i < n; ++i)
+    parallel_for(n, 64, [&](std::size_t i) {
         for (std::size_t k = 0; k < PointPacket::kSize; ++k) {
-            const Vec3 x = rays(i).place(k / LeavingRays::kNodes, k % LeavingRays::kNodes);
+            const Vec3 x = fine_.clusters.position[i] +
+                           collisions(i, k / kNodes).at(LeavingRays::kShares[k % kNodes]);
             packets[i].set(int(k), x);
             points[i * PointPacket::kSize + k] = x;
             own[i * PointPacket::kSize + k] = own_sample[i];
         }
+    });
     const std::vector<double> sources = sums.inside(points, own);
     const std::vector<SurfaceSum> layers =
         fine_.equation->sum_layers(samples_, tree_, c, phi, packets);
     parallel_for(n, 64, [&](std::size_t i) {
-        std::array<std::array<double, LeavingRays::kNodes>, LeavingRays::kDirections> fluence{};
-        for (std::size_t d = 0, k = 0; d < fluence.size(); ++d) {
-            bool inside = true;
-            for (double& at : fluence[d]) {
-                const double angle = double(layers[i].solid_angle.of[k]);
-                inside = inside && angle > 0.5;
+        std::array<float, kDirections> X{};
+        for (std::size_t d = 0; d < kDirections; ++d) {
+            double sum = 0;
+            for (std::size_t node = 0; node < kNodes; ++node) {
+                const std::size_t k = d * kNodes + node;
                 // What the layers' quadrature misses of the solid angle near the surface has the
                 // fluence of the cluster there.
-                const double value = sources[i * PointPacket::kSize + k] -
-                                     double(layers[i].layers.of[k]) + double(phi[i]) * (1 - angle);
-                at = inside ? std::max(0.0, value) : 0;
-                ++k;
+                const double fluence = sources[i * PointPacket::kSize + k] -
+                                       double(layers[i].layers.of[k]) +
+                                       double(phi[i]) * (1 - double(layers[i].solid_angle.of[k]));
+                sum += LeavingRays::kWeights[node] * std::max(0.0, fluence);
             }
+            X[d] = float(factor * collisions(i, d).probability() * sum);
         }
-        radiance[i][std::size_t(c)] = rays(i).fit(fluence);
+        radiance[i][std::size_t(c)] = LeavingRays(fine_.clusters.normal[i]).fit(X);
     });
+}
+
+// Keeps the directions of what leaves, and lets the balance say how much it is.
+void BodyDiffusion::balance(int c, const std::vector<double>& on_its_way, Solution& result) const {
+    const Balance balance(reduced_channel(medium_, c));
+    const float mean_cosine = mean_cosine_of_leaving(medium_.eta);
+    for (std::size_t i = 0; i < on_its_way.size(); ++i) {
+        LeavingRadiance& X = result.radiance[i][std::size_t(c)];
+        const double mean =
+            double(X.even + mean_cosine * glm::dot(X.slope, fine_.clusters.normal[i]));
+        X.even += float(balance.mix(double(result.fine.B[i][c]), on_its_way[i], mean) - mean);
+    }
 }
 
 void BodyDiffusion::Solution::add(Rgb scale, const Solution& b) {

@@ -8,6 +8,7 @@
 
 #include "common/diffusion/boundary_operator.h"
 #include "common/diffusion/cluster_field.h"
+#include "common/diffusion/flight.h"
 #include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/source_sums.h"
 #include "common/diffusion/surface_clusters.h"
@@ -26,30 +27,33 @@ struct ClusterWish {
 ///
 /// Light that entered scatters first along its refracted beam: sources at a few depths there. Their
 /// diffuse fluence on the true surface is solved for. From it follows the fluence inside, along the
-/// ways on which light leaves: the radiance F of what scatters on them for the last time. The same
-/// for these sources in a half-space, over all directions, is H.
+/// ways on which light leaves: what scatters on them for the last time. In thin parts and at high
+/// albedo the balance of light knows better how much that is: all that diffusion lets leave, less
+/// what leaves after one scattering. H is the same for these sources in a half-space, over all
+/// directions.
 ///
 /// Source   docs/BODY_AWARE.md.
 class BodyDiffusion {
 public:
     /// Clusters and operators, for any light. `samples` are all of the closed surface, and what
-    /// they point to must outlive this. Channels that are not `solved` get no fields.
+    /// they point to must outlive this, and so must what `follow` refers to. Channels that are not
+    /// `solved` get no fields.
     BodyDiffusion(const SampledSurface& samples, const Medium& medium, const ClusterWish& wish,
-                  std::array<bool, 3> solved = {true, true, true});
+                  const FollowFlights& follow, std::array<bool, 3> solved = {true, true, true});
 
-    /// Depth along a beam beyond which no source lies, mm.
-    static float deepest_source(const Medium& medium);
+    /// How far flights have to be followed, mm.
+    static float longest_flight(const Medium& medium);
 
     struct Fields {
         std::vector<Rgb> B;  // [cluster] phi / (2 A), W/mm^2, >= 0
-        std::vector<Rgb> H;  // [cluster] exitance of the half-space, W/mm^2, >= 0
+        std::vector<Rgb> H;  // [cluster] exitance of the half-space, W/mm^2
     };
     using ClusterRadiance = std::array<LeavingRadiance, 3>;  // [channel]
     /// On the clusters, and on a quarter as many for an estimate of the error. Linear in the light:
     /// those of several lights may be added.
     struct Solution {
         Fields fine, coarse;
-        std::vector<ClusterRadiance> radiance;  // [fine cluster] fluence, W/mm^2
+        std::vector<ClusterRadiance> radiance;  // [fine cluster] W/mm^2
         int iterations = 0;                     // of GMRES, the most of any channel
         bool converged = true;                  // GMRES did, and all is finite
 
@@ -88,6 +92,7 @@ private:
     void find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
                        std::span<const std::int64_t> own_sample,
                        std::vector<ClusterRadiance>& radiance) const;
+    void balance(int c, const std::vector<double>& on_its_way, Solution& result) const;
 
     Medium medium_;
     std::array<bool, 3> solved_;
@@ -96,6 +101,7 @@ private:
     std::array<ChannelDiffusion, 3> channels_;
     std::array<std::optional<SourceKernels>, 3> kernels_;
     Level fine_, coarse_;
+    std::vector<Flight> leaving_;        // [fine cluster][direction of LeavingRays] back along it
     std::vector<std::uint32_t> parent_;  // [fine cluster] the coarse one that holds it
 };
 

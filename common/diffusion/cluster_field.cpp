@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "common/optics/fresnel.h"
-
 namespace tallow {
 namespace {
 
@@ -17,17 +15,6 @@ constexpr int kMostCells = 128;  // along an axis
 
 float cosine_inside(float eta, float cos_o) {
     return std::sqrt(1 - (1 - cos_o * cos_o) / (eta * eta));
-}
-
-// Of the cosine inside, of light of which L outside is F_t, by the midpoint rule.
-float mean_cosine_inside(float eta) {
-    constexpr int kSteps = 500;
-    float sum = 0, weights = 0;
-    for (int i = 0; i < kSteps; ++i) {
-        const float mu = (float(i) + 0.5f) / kSteps, weight = fresnel_transmittance(eta, mu) * mu;
-        sum += weight * cosine_inside(eta, mu), weights += weight;
-    }
-    return sum / weights;
 }
 
 }  // namespace
@@ -101,21 +88,18 @@ Rgb ClusterRatio::at(Vec3 position, Vec3 n) const {
 
 LeavingField::LeavingField(const SurfaceClusters& clusters,
                            std::span<const ClusterRadiance> radiance, std::span<const Rgb> H,
-                           std::span<const Rgb> P, const Medium& medium, bool directional,
-                           Rgb strength)
+                           std::span<const Rgb> P, float eta, bool directional, Rgb strength)
     : neighbours_(clusters),
       items_(clusters.count()),
       strength_(strength),
-      eta_(medium.eta),
+      eta_(eta),
       directional_(directional),
-      mean_cosine_(mean_cosine_inside(medium.eta)) {
-    const float T = float(diffuse_fresnel_transmittance(double(eta_)));
-    const Rgb f = T / (4 * eta_ * eta_) * medium.alpha_prime();
+      mean_cosine_(mean_cosine_of_leaving(eta)) {
     for (std::size_t i = 0; i < items_.size(); ++i) {
         items_[i].rest = P[i] - H[i], items_[i].P = P[i];
         for (std::size_t c = 0; c < 3; ++c) {
-            items_[i].even[int(c)] = f[int(c)] * radiance[i][c].even;
-            items_[i].slope[c] = f[int(c)] * radiance[i][c].slope;
+            items_[i].even[int(c)] = radiance[i][c].even;
+            items_[i].slope[c] = radiance[i][c].slope;
         }
     }
 }

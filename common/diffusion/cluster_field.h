@@ -7,7 +7,6 @@
 #include "common/base/rgb.h"
 #include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/surface_clusters.h"
-#include "common/optics/medium.h"
 
 namespace tallow {
 
@@ -66,9 +65,9 @@ private:
 
 /// Exitance by the body's diffusion in place of the half-space's, as a factor of a profile's sum P:
 ///
-///     factor(x, w_o) = (f F(w') + P - H) / P,   f = alpha' / (4 eta^2) 2 * integral of F_t mu
+///     factor(x, w_o) = (X(w') + P - H) / P
 ///
-/// with all of them interpolated between clusters, F for the direction w' that refracts into w_o,
+/// with all of them interpolated between clusters, X for the direction w' that refracts into w_o,
 /// and such that pi L = F_t(w_o) / (2 * integral of F_t mu) M. What the half-space's diffusion
 /// misses of the profile, P - H, is added: light that scatters only twice or thrice, near where it
 /// entered.
@@ -80,8 +79,8 @@ public:
 
     /// All [cluster]. Without `directional` light leaves alike in all directions.
     LeavingField(const SurfaceClusters& clusters, std::span<const ClusterRadiance> radiance,
-                 std::span<const Rgb> H, std::span<const Rgb> P, const Medium& medium,
-                 bool directional, Rgb strength);
+                 std::span<const Rgb> H, std::span<const Rgb> P, float eta, bool directional,
+                 Rgb strength);
 
     /// At a point of the surface [mm] with its unit normal, towards w_o (unit, outside); 1 where
     /// nothing is known. Clamped as ClusterRatio is.
@@ -89,7 +88,7 @@ public:
 
 private:
     struct Item {
-        Rgb even, rest, P;  // even: of f F; rest: P - H
+        Rgb even, rest, P;  // rest: P - H
         std::array<Vec3, 3> slope;
     };
     ClusterNeighbours neighbours_;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/diffusion/leaving_radiance.h"
 
+#include <cmath>
 #include <numbers>
+
+#include "common/optics/fresnel.h"
 
 namespace tallow {
 namespace {
-
-// Mean free paths along a way.
-constexpr std::array kWayNodes = {0.1, 0.4, 1.1, 2.5};
 
 // Of the cone: between its axis and the steepest refraction, 1 / eta.
 constexpr float kSine = 0.6f, kCosine = 0.8f;
@@ -16,8 +16,15 @@ constexpr std::size_t kAround = LeavingRays::kDirections - 1;  // on the cone; t
 
 }  // namespace
 
-LeavingRays::LeavingRays(Vec3 position, Vec3 normal, double mean_free_path)
-    : position_(position), frame_(make_frame(normal)), mean_free_path_(mean_free_path) {}
+float mean_cosine_of_leaving(float eta) {
+    constexpr int kSteps = 500;  // of the midpoint rule
+    float sum = 0, weights = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const float mu = (float(i) + 0.5f) / kSteps, weight = fresnel_transmittance(eta, mu) * mu;
+        sum += weight * std::sqrt(1 - (1 - mu * mu) / (eta * eta)), weights += weight;
+    }
+    return sum / weights;
+}
 
 Vec3 LeavingRays::tangent(std::size_t d) const {
     const float angle = 2 * std::numbers::pi_v<float> * float(d) / float(kAround);
@@ -28,19 +35,7 @@ Vec3 LeavingRays::direction(std::size_t d) const {
     return d == kAround ? frame_.n : kSine * tangent(d) + kCosine * frame_.n;
 }
 
-Vec3 LeavingRays::place(std::size_t d, std::size_t node) const {
-    return position_ - float(kWayNodes[node] * mean_free_path_) * direction(d);
-}
-
-LeavingRadiance LeavingRays::fit(
-    const std::array<std::array<double, kNodes>, kDirections>& fluence) const {
-    const auto weights = decay_weights(kWayNodes, 1);
-    std::array<float, kDirections> F{};
-    for (std::size_t d = 0; d < kDirections; ++d) {
-        double sum = 0;
-        for (std::size_t k = 0; k < kNodes; ++k) sum += weights[k] * fluence[d][k];
-        F[d] = float(sum);
-    }
+LeavingRadiance LeavingRays::fit(const std::array<float, kDirections>& F) const {
     float mean = 0;
     for (std::size_t d = 0; d < kAround; ++d) mean += F[d] / float(kAround);
     Vec3 slope = (F[kAround] - mean) / (1 - kCosine) * frame_.n;

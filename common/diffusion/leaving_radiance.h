@@ -32,35 +32,40 @@ std::array<double, N> decay_weights(const std::array<double, N>& z, double m) {
 
 /// Light that leaves the body, by its direction w' inside, before it crosses the surface:
 ///
-///     F(w') = even + slope . w'
+///     X(w') = even + slope . w'
 ///
-/// the integral of the fluence along the way it came, weighted with e^(-way / mean free path).
+/// such that outside pi L = F_t / (2 * integral of F_t mu) X, W/mm^2.
 struct LeavingRadiance {
     float even = 0;
     Vec3 slope{0};
 };
 
-/// The ways along which LeavingRadiance is found, at one cluster: four directions of a cone that
+/// Cosines inside of light that leaves evenly, L outside being F_t: their mean.
+float mean_cosine_of_leaving(float eta);
+
+/// The ways along which LeavingRadiance is found, at one place: four directions of a cone that
 /// refraction can reach, four places on each.
 class LeavingRays {
 public:
     static constexpr std::size_t kDirections = 4, kNodes = 4;
 
-    LeavingRays(Vec3 position, Vec3 normal, double mean_free_path);
+    explicit LeavingRays(Vec3 normal) : frame_(make_frame(normal)) {}
 
-    /// Place `node` of the way that leaves along `direction`, mm.
-    Vec3 place(std::size_t direction, std::size_t node) const;
+    /// Of light that leaves, unit.
+    Vec3 direction(std::size_t d) const;
 
-    /// From the fluence [direction][node]; 0 where the way has left the body.
-    LeavingRadiance fit(const std::array<std::array<double, kNodes>, kDirections>& fluence) const;
+    /// Shares of what scatters on a way at which its nodes lie, and their weights: the rule of
+    /// Gauss.
+    static constexpr std::array<double, kNodes> kShares = {.0694318, .3300095, .6699905, .9305682};
+    static constexpr std::array<double, kNodes> kWeights = {.1739274, .3260726, .3260726, .1739274};
+
+    /// From the radiance of each direction.
+    LeavingRadiance fit(const std::array<float, kDirections>& F) const;
 
 private:
-    Vec3 direction(std::size_t d) const;
     Vec3 tangent(std::size_t d) const;
 
-    Vec3 position_;
     Frame frame_;
-    double mean_free_path_;
 };
 
 }  // namespace tallow

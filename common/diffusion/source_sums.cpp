@@ -14,7 +14,8 @@
 namespace tallow {
 namespace {
 
-// Where light first scatters along a beam, in reduced mean free paths: a quadrature of e^-t.
+// Where light first scatters along a flight, in reduced mean free paths: a quadrature of e^-t, and,
+// on flights that end in the surface, of the same shares of what scatters on them.
 struct Depth {
     double t, weight;
 };
@@ -35,7 +36,7 @@ constexpr int kCellPoints = 32;
 
 // Depths at which the half-space's fluence is known, mean free paths: those of LeavingRays at the
 // mean cosine inside, 0.85, so that both miss the same.
-constexpr std::array kHalfSpaceNodes = {.085, .34, .935, 2.125};
+constexpr std::array kHalfSpaceNodes = {.0612, .3404, .9426, 2.267};
 
 Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
 
@@ -107,6 +108,42 @@ KernelTable tabulate_inside(const ChannelDiffusion& k, double alpha_prime, doubl
     return tabulate(kernel, unit, mfp, range);
 }
 
+KernelTable tabulate_on_its_way(const ChannelDiffusion& k, double unit, double mfp, double range) {
+    const auto kernel = [&](double r2) {
+        const double u = r2 + kSoftening * kSoftening * mfp * mfp;
+        return k.D * std::exp(-std::sqrt(u) / mfp) / u;
+    };
+    return tabulate(kernel, unit, mfp, range);
+}
+
+// Of all depths of sources in a half-space; `at_depth(r2, t)` in mean free paths, times 4 pi D.
+KernelTable tabulate_all_depths(const ReducedChannel& reduced, double unit, double range,
+                                const auto& at_depth) {
+    const double sigma = reduced.sigma_t_prime;
+    const auto kernel = [&](double r2) {
+        double sum = 0;
+        for (const Depth& depth : kDepths)
+            sum += depth.weight * at_depth(r2 * sigma * sigma, depth.t);
+        return sum * sigma;
+    };
+    return tabulate(kernel, unit, 1 / sigma, range);
+}
+
+KernelTable tabulate_leaving_diffusion(const ReducedChannel& reduced, double unit, double range) {
+    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
+    return tabulate_all_depths(reduced, unit, range, [&](double r2, double t) {
+        return half_space_fluence(r2, t, k) / (2 * k.A);
+    });
+}
+
+KernelTable tabulate_on_its_way_out(const ReducedChannel& reduced, double unit, double range) {
+    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
+    return tabulate_all_depths(reduced, unit, range, [&](double r2, double t) {
+        const double u = r2 + t * t + kSoftening * kSoftening;
+        return k.D * std::exp(-std::sqrt(u)) / u;
+    });
+}
+
 KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double range) {
     const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
     const auto weights = exitance_weights(reduced.alpha_prime, reduced.eta);
@@ -125,26 +162,33 @@ KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double 
 
 }  // namespace
 
-double deepest_source_depth() { return kDepths[std::size(kDepths) - 1].t; }
-
 SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
                              double range)
     : unit(KernelTable::unit_near(1 / reduced.sigma_t_prime)),
       factor(reduced.alpha_prime / (4 * std::numbers::pi * channel.D)),
       in_infinite_medium(tabulate_infinite(channel, unit, 1 / reduced.sigma_t_prime, range)),
       inside(tabulate_inside(channel, reduced.alpha_prime, unit, 1 / reduced.sigma_t_prime, range)),
-      leaving(tabulate_leaving(reduced, unit, range)) {}
+      on_its_way(tabulate_on_its_way(channel, unit, 1 / reduced.sigma_t_prime, range)),
+      leaving(tabulate_leaving(reduced, unit, range)),
+      leaving_diffusion(tabulate_leaving_diffusion(reduced, unit, range)),
+      on_its_way_out(tabulate_on_its_way_out(reduced, unit, range)) {}
 
 std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
     return sum(places, own_sample, kernels_.in_infinite_medium, std::size(kDepths),
-               [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
+               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 
 std::vector<double> SourceSums::inside(std::span<const Vec3> points,
                                        std::span<const std::int64_t> own_sample) const {
     return sum(points, own_sample, kernels_.inside, std::size(kDepths),
-               [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
+               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
+}
+
+std::vector<double> SourceSums::on_its_way(std::span<const Vec3> places,
+                                           std::span<const std::int64_t> own_sample) const {
+    return sum(places, own_sample, kernels_.on_its_way, std::size(kDepths),
+               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 
 std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
@@ -153,13 +197,26 @@ std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
                [&](std::size_t i, std::size_t) { return on_surface(i); });
 }
 
-// Beyond the end of a beam, what is mirrored of it.
-SourceSums::Source SourceSums::on_beam(std::size_t i, std::size_t depth) const {
-    const auto t = float(kDepths[depth].t * mfp_);
+std::vector<double> SourceSums::diffusion_leaving_half_space(
+    std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const {
+    return sum(places, own_sample, kernels_.leaving_diffusion, 1,
+               [&](std::size_t i, std::size_t) { return on_surface(i); });
+}
+
+std::vector<double> SourceSums::on_its_way_out_of_half_space(
+    std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const {
+    return sum(places, own_sample, kernels_.on_its_way_out, 1,
+               [&](std::size_t i, std::size_t) { return on_surface(i); });
+}
+
+SourceSums::Source SourceSums::on_flight(std::size_t i, std::size_t depth) const {
     const auto weight = float(kDepths[depth].weight);
-    const Beam& beam = light_.beams[i];
-    if (t <= beam.length) return {t * light_.w_i[i], weight};
-    return {beam.length * light_.w_i[i] + (t - beam.length) * beam.w, weight * beam.reflected};
+    const Flight& flight = light_.flights[i];
+    if (double(flight.legs[0].length) >= kLongestFlight * mfp_)
+        return {float(kDepths[depth].t * mfp_) * light_.w_i[i], weight};
+    const Collisions collisions(flight, mfp_);
+    return {collisions.at(-std::expm1(-kDepths[depth].t)),
+            weight * float(collisions.probability())};
 }
 
 // Depths are in the half-space's kernel; what is left of the beam is its way along the surface.

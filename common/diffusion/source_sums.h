@@ -7,18 +7,11 @@
 
 #include "common/cloud/point_octree.h"
 #include "common/diffusion/boundary_sum.h"
+#include "common/diffusion/flight.h"
 #include "common/nbody/kernel_table.h"
 #include "common/optics/diffusion.h"
 
 namespace tallow {
-
-/// The way of light that enters at a sample, until it scatters: straight on along w_i for `length`
-/// mm, and then for a share `reflected` of it along `w`, mirrored inside the surface.
-struct Beam {
-    float length;
-    float reflected;
-    Vec3 w;  // unit
-};
 
 /// Light that enters a body at samples of its surface, and the tree over them.
 struct EnteringLight {
@@ -27,27 +20,30 @@ struct EnteringLight {
     std::span<const Vec3> w_i;             // [sample] mean direction of travel inside
     std::span<const Rgb> E_t;              // [sample] transmitted irradiance, W/mm^2
     std::span<const float> area;           // [sample] mm^2
-    std::span<const Beam> beams;           // [sample]
+    std::span<const Flight> flights;       // [sample] until it scatters, along w_i at first
     std::span<const std::uint32_t> index;  // [sample] in the SampledSurface
     std::span<const OctreeNode> nodes;
 };
 
-/// Depth along a beam beyond which no source lies, mean free paths.
-double deepest_source_depth();
+/// Mean free paths along a flight behind which next to no light is left.
+inline constexpr double kLongestFlight = 7;
 
 /// How sources act, by the square of the distance [mm^2], in one channel of a medium.
 ///
 /// in_infinite_medium   e^(-s d) / d
 /// inside               alpha' e^(-s d) / d + D e^(-sigma_t' d) / d^2: Grosjean's two parts, light
 ///                      that has scattered once more, and light that is on its way to
-/// leaving              what leaves of the second in a half-space, all depths of sources together
+/// on_its_way           the second part of `inside` alone
+/// leaving              what leaves of `inside` in a half-space, all depths of sources together
+/// leaving_diffusion    what diffusion lets leave in a half-space, phi / (2 A)
+/// on_its_way_out       on_its_way at the surface of a half-space
 struct SourceKernels {
     /// Out to `range` mm.
     SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel, double range);
 
     double unit;    // mm
     double factor;  // of all kernels: alpha' / (4 pi D)
-    KernelTable in_infinite_medium, inside, leaving;
+    KernelTable in_infinite_medium, inside, on_its_way, leaving, leaving_diffusion, on_its_way_out;
 };
 
 /// What light does from where it scatters first, at a few depths along its refracted beams, in one
@@ -69,10 +65,23 @@ public:
     std::vector<double> inside(std::span<const Vec3> points,
                                std::span<const std::int64_t> own_sample) const;
 
+    /// Fluence of light that scattered once and is on its way, at places of the surface.
+    std::vector<double> on_its_way(std::span<const Vec3> places,
+                                   std::span<const std::int64_t> own_sample) const;
+
     /// H: exitance of the half-space that has these sources, of light that scattered twice or more;
     /// what `inside` and the layers are for a body.
     std::vector<double> leaving_half_space(std::span<const Vec3> places,
                                            std::span<const std::int64_t> own_sample) const;
+
+    /// What `in_infinite_medium` and the boundary condition make of the half-space with these
+    /// sources: the exitance of all that scattered.
+    std::vector<double> diffusion_leaving_half_space(
+        std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const;
+
+    /// on_its_way() of the half-space.
+    std::vector<double> on_its_way_out_of_half_space(
+        std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const;
 
 private:
     /// Where the light of a sample acts, and how much of it.
@@ -80,7 +89,7 @@ private:
         Vec3 offset;  // from the sample, mm
         float share;
     };
-    Source on_beam(std::size_t i, std::size_t depth) const;
+    Source on_flight(std::size_t i, std::size_t depth) const;
     Source on_surface(std::size_t i) const;
     template <class SourceOf>
     std::vector<double> sum(std::span<const Vec3> places, std::span<const std::int64_t> own_sample,

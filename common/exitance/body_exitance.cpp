@@ -49,8 +49,8 @@ ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
 }  // namespace
 
 BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
-                           DiffusionWish wish)
-    : body_(body), use_(use) {
+                           FollowFlights follow, DiffusionWish wish)
+    : body_(body), use_(use), follow_(std::move(follow)) {
     const SubsurfaceMaterial& material = *subsurface(scene, body.object);
     kernels_.emplace(
         make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm));
@@ -67,15 +67,20 @@ BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orde
     if (directional_) shifts_.exit = {};
     diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
                        cluster_wish(wish, body.area_mm2, material.medium.mean_free_path(), solved),
-                       solved);
-    beam_length_ = BodyDiffusion::deepest_source(material.medium);
+                       follow_, solved);
 }
 
-BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit,
-                                            std::span<const Beam> beams) const {
+BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit) const {
     if (!diffusion_) return {};
+    std::vector<Vec3> w(lit.w_i.size());
+    for (std::size_t i = 0; i < w.size(); ++i) {
+        const float length = glm::length(lit.w_i[i]);
+        w[i] = length > 0 ? lit.w_i[i] / length : -lit.normal[i];
+    }
+    const std::vector<Flight> flights =
+        follow_(lit.position, lit.normal, w, BodyDiffusion::longest_flight(medium_));
     return diffusion_->solve(
-        {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, beams, lit.index, lit.nodes});
+        {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, flights, lit.index, lit.nodes});
 }
 
 DiffusionReport BodyExitance::report(const BodyDiffusion::Solution& solution) const {
@@ -136,7 +141,7 @@ ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::So
     else
         P = at_clusters(field);
     field.correct(LeavingField(diffusion_->clusters(), solution.radiance, solution.fine.H, P,
-                               medium_, directional_, strength_));
+                               medium_.eta, directional_, strength_));
     return field;
 }
 

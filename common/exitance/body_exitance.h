@@ -56,20 +56,17 @@ class BodyExitance {
 public:
     /// `body` must outlive this and its fields. A plane has no diffusion of its own: it is the
     /// half-space that the profile stands for. Channels are solved whose mean free path the samples
-    /// resolve.
+    /// resolve. `follow` traces light inside the body.
     BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
-                 DiffusionWish wish = {});
+                 FollowFlights follow, DiffusionWish wish = {});
 
     /// Clusters on which diffusion is solved; 0 if it is not.
     std::size_t clusters() const { return diffusion_ ? diffusion_->clusters().count() : 0; }
     std::size_t memory_bytes() const { return diffusion_ ? diffusion_->memory_bytes() : 0; }
 
-    /// How far beams of light are to be followed for solve(), mm; 0 if they are not asked for.
-    float beam_length() const { return beam_length_; }
-
-    /// Diffusion of some light, which goes the ways of beams[sample] before it scatters. Solutions
-    /// of several lights may be added. Empty if there are no clusters.
-    BodyDiffusion::Solution solve(const LitSamples& lit, std::span<const Beam> beams) const;
+    /// Diffusion of some light. Solutions of several lights may be added. Empty if there are no
+    /// clusters.
+    BodyDiffusion::Solution solve(const LitSamples& lit) const;
 
     DiffusionReport report(const BodyDiffusion::Solution& solution) const;
 
@@ -89,8 +86,8 @@ private:
     ExitanceShifts shifts_;
     Rgb strength_;  // of the body's diffusion
     bool wants_diffusion_;
+    FollowFlights follow_;
     std::optional<BodyDiffusion> diffusion_;
-    float beam_length_ = 0;
 };
 
 }  // namespace tallow

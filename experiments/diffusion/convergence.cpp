@@ -13,7 +13,7 @@
 #include "common/cloud/scene_fingerprint.h"
 #include "common/exitance/body_exitance.h"
 #include "common/geometry/ray_scene.h"
-#include "common/lighting/beams.h"
+#include "common/lighting/flights.h"
 #include "common/scene/scene_geometry.h"
 #include "common/scene/scene_yaml.h"
 
@@ -74,10 +74,10 @@ std::vector<ExitancePoint> points_of(const BodyView& body) {
     return points;
 }
 
-Row solve(const BodyExitance& exitance, const LitSamples& lit, std::span<const Beam> beams,
+Row solve(const BodyExitance& exitance, const LitSamples& lit,
           std::span<const ExitancePoint> points, double build_seconds) {
     const CpuSeconds seconds;
-    const BodyDiffusion::Solution solution = exitance.solve(lit, beams);
+    const BodyDiffusion::Solution solution = exitance.solve(lit);
     Row row{exitance.clusters(),
             build_seconds,
             seconds(),
@@ -117,14 +117,13 @@ void measure(const Arguments& a, ToolRun& run) {
         std::vector<Row> rows;
         for (const std::size_t n : numbers) {
             const CpuSeconds seconds;
-            const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths,
-                                        DiffusionWish{0.01, n});
+            const BodyExitance exitance(
+                body, scene, Orders::all, ExitanceUse::paths,
+                flights_in(rays, body.object, subsurface(scene, body.object)->medium.eta),
+                DiffusionWish{0.01, n});
             const double build_seconds = seconds();
             if (exitance.clusters() == 0) break;
-            const auto beams =
-                follow_beams(rays, body.object, lit, subsurface(scene, body.object)->medium.eta,
-                             exitance.beam_length());
-            rows.push_back(solve(exitance, lit, beams, points, build_seconds));
+            rows.push_back(solve(exitance, lit, points, build_seconds));
         }
         for (const Row& row : rows)
             fmt::print("{},{},{:.3f},{:.3f},{:.2f},{},{:.5f},{:.5f},{:.5f}\n", body.object,
