@@ -246,6 +246,7 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
     const ReducedChannel reduced = reduced_channel(medium_, c);
     const double factor = diffuse_fresnel_transmittance(reduced.eta) /
                           (4 * reduced.eta * reduced.eta) * reduced.alpha_prime;
+    const auto rule = last_scattering_rule(kernels_[std::size_t(c)]->kappa);
     // Of light that scattered once more, in Grosjean's parts.
     for (float& fluence : phi) fluence *= float(reduced.alpha_prime);
     const std::size_t n = fine_.clusters.count();
@@ -257,8 +258,9 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
     };
     parallel_for(n, 64, [&](std::size_t i) {
         for (std::size_t k = 0; k < PointPacket::kSize; ++k) {
-            const Vec3 x = fine_.clusters.position[i] +
-                           collisions(i, k / kNodes).at(LeavingRays::kShares[k % kNodes]);
+            const Collisions on_way = collisions(i, k / kNodes);
+            const Vec3 x =
+                fine_.clusters.position[i] + on_way.at(rule.share_on(k % kNodes, on_way.length()));
             packets[i].set(int(k), x);
             points[i * PointPacket::kSize + k] = x;
             own[i * PointPacket::kSize + k] = own_sample[i];
@@ -278,7 +280,7 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
                 const double fluence = sources[i * PointPacket::kSize + k] -
                                        double(layers[i].layers.of[k]) +
                                        double(phi[i]) * (1 - double(layers[i].solid_angle.of[k]));
-                sum += LeavingRays::kWeights[node] * std::max(0.0, fluence);
+                sum += rule.weight[node] * std::max(0.0, fluence);
             }
             X[d] = float(factor * collisions(i, d).probability() * sum);
         }

@@ -54,11 +54,6 @@ public:
     /// Of light that leaves, unit.
     Vec3 direction(std::size_t d) const;
 
-    /// Shares of what scatters on a way at which its nodes lie, and their weights: the rule of
-    /// Gauss.
-    static constexpr std::array<double, kNodes> kShares = {.0694318, .3300095, .6699905, .9305682};
-    static constexpr std::array<double, kNodes> kWeights = {.1739274, .3260726, .3260726, .1739274};
-
     /// From the radiance of each direction.
     LeavingRadiance fit(const std::array<float, kDirections>& F) const;
 

@@ -14,14 +14,6 @@
 namespace tallow {
 namespace {
 
-// Where light first scatters along a flight, in reduced mean free paths: a quadrature of e^-t, and,
-// on flights that end in the surface, of the same shares of what scatters on them.
-struct Depth {
-    double t, weight;
-};
-constexpr Depth kDepths[] = {
-    {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
-
 constexpr float kSumTolerance = 5e-3f;
 
 // Of the distance from a source in an infinite medium, mean free paths; well below the first depth.
@@ -34,9 +26,8 @@ constexpr double kSofteningInside = 0.15;
 // so many points instead.
 constexpr int kCellPoints = 32;
 
-// Depths at which the half-space's fluence is known, mean free paths: those of LeavingRays at the
-// mean cosine inside, 0.85, so that both miss the same.
-constexpr std::array kHalfSpaceNodes = {.0612, .3404, .9426, 2.267};
+// Mean cosine inside of ways on which light leaves.
+constexpr double kMeanCosine = 0.85;
 
 Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
 
@@ -59,20 +50,27 @@ private:
     Vec3 s_, t_;
 };
 
-// [node] what the fluence at a depth counts in the exitance of a half-space: the integral of
-// F_t(mu) alpha' / (2 eta^2) W(mu') mu dmu.
-std::array<double, kHalfSpaceNodes.size()> exitance_weights(double alpha_prime, double eta) {
+/// Depths at which the half-space's fluence is known, mean free paths, and what it counts in the
+/// exitance: the integral of F_t(mu) alpha' / (2 eta^2) W(mu') mu dmu. Those of the ways out of a
+/// body, at their mean cosine, so that both miss the same.
+struct HalfSpaceNodes {
+    std::array<double, 4> z, weight;
+};
+
+HalfSpaceNodes half_space_nodes(double alpha_prime, double eta, double kappa) {
     constexpr int kSteps = 200;
-    std::array<double, kHalfSpaceNodes.size()> sum{};
+    HalfSpaceNodes nodes{};
+    const auto rule = last_scattering_rule(kappa);
+    for (std::size_t k = 0; k < nodes.z.size(); ++k) nodes.z[k] = kMeanCosine * rule.depth(k);
     for (int i = 0; i < kSteps; ++i) {
         const double mu = (i + 0.5) / kSteps;
         const double inside = std::sqrt(1 - (1 - mu * mu) / (eta * eta));
-        const auto along = decay_weights(kHalfSpaceNodes, inside);
+        const auto along = decay_weights(nodes.z, inside);
         const double T = double(fresnel_transmittance(float(eta), float(mu)));
-        for (std::size_t k = 0; k < sum.size(); ++k)
-            sum[k] += T * alpha_prime / (2 * eta * eta) * along[k] * mu / kSteps;
+        for (std::size_t k = 0; k < along.size(); ++k)
+            nodes.weight[k] += T * alpha_prime / (2 * eta * eta) * along[k] * mu / kSteps;
     }
-    return sum;
+    return nodes;
 }
 
 // 4 pi D times the fluence at depth z of a source at depth t, as SourceKernels::inside has it; all
@@ -85,6 +83,10 @@ double fluence_in_half_space(double r2, double t, double z, double alpha_prime,
     const double far = std::sqrt(r2 + (t + z) * (t + z));
     diffuse += std::exp(-k.s * near) / near - std::exp(-k.s * far) / far;
     return alpha_prime * diffuse + k.D * std::exp(-near) / near2;
+}
+
+double kappa_of(const ReducedChannel& reduced) {
+    return diffusion_constants(reduced.absorption, reduced.eta).s;
 }
 
 KernelTable tabulate(const auto& kernel, double unit, double mfp, double range) {
@@ -120,10 +122,11 @@ KernelTable tabulate_on_its_way(const ChannelDiffusion& k, double unit, double m
 KernelTable tabulate_all_depths(const ReducedChannel& reduced, double unit, double range,
                                 const auto& at_depth) {
     const double sigma = reduced.sigma_t_prime;
+    const auto depths = first_scattering_rule(kappa_of(reduced));
     const auto kernel = [&](double r2) {
         double sum = 0;
-        for (const Depth& depth : kDepths)
-            sum += depth.weight * at_depth(r2 * sigma * sigma, depth.t);
+        for (std::size_t i = 0; i < depths.weight.size(); ++i)
+            sum += depths.weight[i] * at_depth(r2 * sigma * sigma, depths.depth(i));
         return sum * sigma;
     };
     return tabulate(kernel, unit, 1 / sigma, range);
@@ -146,15 +149,16 @@ KernelTable tabulate_on_its_way_out(const ReducedChannel& reduced, double unit, 
 
 KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double range) {
     const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
-    const auto weights = exitance_weights(reduced.alpha_prime, reduced.eta);
+    const HalfSpaceNodes nodes = half_space_nodes(reduced.alpha_prime, reduced.eta, k.s);
+    const auto depths = first_scattering_rule(k.s);
     const auto kernel = [&](double r2) {
         const double u = r2 * reduced.sigma_t_prime * reduced.sigma_t_prime;
         double sum = 0;
-        for (const Depth& depth : kDepths)
-            for (std::size_t n = 0; n < weights.size(); ++n)
+        for (std::size_t i = 0; i < depths.weight.size(); ++i)
+            for (std::size_t n = 0; n < nodes.z.size(); ++n)
                 sum +=
-                    depth.weight * weights[n] *
-                    fluence_in_half_space(u, depth.t, kHalfSpaceNodes[n], reduced.alpha_prime, k);
+                    depths.weight[i] * nodes.weight[n] *
+                    fluence_in_half_space(u, depths.depth(i), nodes.z[n], reduced.alpha_prime, k);
         return sum * reduced.sigma_t_prime;
     };
     return tabulate(kernel, unit, 1 / reduced.sigma_t_prime, range);
@@ -165,6 +169,8 @@ KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double 
 SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
                              double range)
     : unit(KernelTable::unit_near(1 / reduced.sigma_t_prime)),
+      kappa(kappa_of(reduced)),
+      depths(first_scattering_rule(kappa)),
       factor(reduced.alpha_prime / (4 * std::numbers::pi * channel.D)),
       in_infinite_medium(tabulate_infinite(channel, unit, 1 / reduced.sigma_t_prime, range)),
       inside(tabulate_inside(channel, reduced.alpha_prime, unit, 1 / reduced.sigma_t_prime, range)),
@@ -175,19 +181,19 @@ SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusi
 
 std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.in_infinite_medium, std::size(kDepths),
+    return sum(places, own_sample, kernels_.in_infinite_medium, kernels_.depths.weight.size(),
                [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 
 std::vector<double> SourceSums::inside(std::span<const Vec3> points,
                                        std::span<const std::int64_t> own_sample) const {
-    return sum(points, own_sample, kernels_.inside, std::size(kDepths),
+    return sum(points, own_sample, kernels_.inside, kernels_.depths.weight.size(),
                [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 
 std::vector<double> SourceSums::on_its_way(std::span<const Vec3> places,
                                            std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.on_its_way, std::size(kDepths),
+    return sum(places, own_sample, kernels_.on_its_way, kernels_.depths.weight.size(),
                [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 
@@ -210,12 +216,12 @@ std::vector<double> SourceSums::on_its_way_out_of_half_space(
 }
 
 SourceSums::Source SourceSums::on_flight(std::size_t i, std::size_t depth) const {
-    const auto weight = float(kDepths[depth].weight);
+    const auto weight = float(kernels_.depths.weight[depth]);
     const Flight& flight = light_.flights[i];
     if (double(flight.legs[0].length) >= kLongestFlight * mfp_)
-        return {float(kDepths[depth].t * mfp_) * light_.w_i[i], weight};
+        return {float(kernels_.depths.depth(depth) * mfp_) * light_.w_i[i], weight};
     const Collisions collisions(flight, mfp_);
-    return {collisions.at(-std::expm1(-kDepths[depth].t)),
+    return {collisions.at(kernels_.depths.share_on(depth, collisions.length())),
             weight * float(collisions.probability())};
 }
 

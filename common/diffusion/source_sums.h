@@ -25,9 +25,6 @@ struct EnteringLight {
     std::span<const OctreeNode> nodes;
 };
 
-/// Mean free paths along a flight behind which next to no light is left.
-inline constexpr double kLongestFlight = 7;
-
 /// How sources act, by the square of the distance [mm^2], in one channel of a medium.
 ///
 /// in_infinite_medium   e^(-s d) / d
@@ -41,8 +38,10 @@ struct SourceKernels {
     /// Out to `range` mm.
     SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel, double range);
 
-    double unit;    // mm
-    double factor;  // of all kernels: alpha' / (4 pi D)
+    double unit;          // mm
+    double kappa;         // decay of light deep inside, 1 / mean free path
+    DecayRule<5> depths;  // of sources along a flight
+    double factor;        // of all kernels: alpha' / (4 pi D)
     KernelTable in_infinite_medium, inside, on_its_way, leaving, leaving_diffusion, on_its_way_out;
 };
 
