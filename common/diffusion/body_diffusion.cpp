@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/parallel.h"
+#include "common/diffusion/light_balance.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
@@ -87,50 +88,6 @@ std::vector<Flight> follow_back(const SurfaceClusters& clusters, const FollowFli
     return follow(from, normal, w, longest);
 }
 
-/// How much leaves after two scatterings or more, from two estimates: by what scatters for the last
-/// time on the way out, and by what diffusion lets leave in all, B, less what leaves after one.
-///
-///     M = weight sqrt(alpha') (B - c phi_1) + (1 - weight) (by the last flight)
-///     weight = max(0, 1 - 1.5 sqrt(1 - alpha'))
-///
-/// phi_1 is the fluence at the surface of light that scattered once; a share c of it leaves, here
-/// that of a half-space whose sources decay with the depth. The second knows that no light is lost,
-/// the first how absorption acts.
-///
-/// Error    docs/BODY_AWARE.md, against transport in slabs.
-class Balance {
-public:
-    explicit Balance(const ReducedChannel& reduced)
-        : weight_(std::max(0.0, 1 - 1.5 * std::sqrt(1 - reduced.alpha_prime))),
-          scale_(std::sqrt(reduced.alpha_prime)),
-          leaving_(share_leaving(reduced.eta)) {}
-
-    double mix(double B, double phi_1, double by_last_flight) const {
-        return weight_ * scale_ * (B - leaving_ * phi_1) + (1 - weight_) * by_last_flight;
-    }
-    std::vector<double> mix(std::vector<double> B, const std::vector<double>& phi_1,
-                            const std::vector<double>& by_last_flight) const {
-        for (std::size_t i = 0; i < B.size(); ++i) B[i] = mix(B[i], phi_1[i], by_last_flight[i]);
-        return B;
-    }
-
-private:
-    static double share_leaving(double eta) {
-        constexpr int kSteps = 2000;
-        constexpr double kEntry = 0.9;  // mean cosine of beams inside
-        double leaving = 0, all = 0;
-        for (int i = 0; i < kSteps; ++i) {
-            const double mu = (i + 0.5) / kSteps;
-            leaving +=
-                double(fresnel_transmittance(float(1 / eta), float(mu))) * mu / (mu + kEntry);
-            all += 1 / (mu + kEntry);
-        }
-        return leaving / all;
-    }
-
-    double weight_, scale_, leaving_;
-};
-
 }  // namespace
 
 float BodyDiffusion::longest_flight(const Medium& medium) {
@@ -138,9 +95,10 @@ float BodyDiffusion::longest_flight(const Medium& medium) {
 }
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium,
-                             const ClusterWish& wish, const FollowFlights& follow,
+                             const ClusterWish& wish, const FollowFlights& follow, Orders orders,
                              std::array<bool, 3> solved)
     : medium_(medium),
+      orders_(orders),
       solved_(solved),
       samples_(samples),
       tree_(build_patch_tree(samples, largest_cluster_area(total(samples.area), wish.most))) {
@@ -183,18 +141,16 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         if (!solved_[c]) return;
         const SourceSums sums(light, *kernels_[c], double(medium_.mean_free_path()[int(c)]),
                               int(c));
-        const Balance of(reduced_channel(medium_, int(c)));
+        const LightBalance balance(reduced_channel(medium_, int(c)), orders_);
         std::vector<float> phi;
         reports[c] = solve_channel(int(c), sums.in_infinite_medium(places, own),
-                                   of.mix(sums.diffusion_leaving_half_space(places, own),
-                                          sums.on_its_way_out_of_half_space(places, own),
-                                          sums.leaving_half_space(places, own)),
+                                   balance.leaving(sums.diffusion_leaving_half_space(places, own),
+                                                   sums.on_its_way_out_of_half_space(places, own),
+                                                   sums.leaving_half_space(places, own)),
                                    result, phi);
         if (phi.empty()) return;
         find_radiance(int(c), sums, phi, own, result.radiance);
-        balance(int(c),
-                sums.on_its_way(fine_.clusters.position, std::span(own).first(clusters().count())),
-                result);
+        say_how_much(int(c), sums.on_its_way_out(clusters().position, clusters().normal), result);
     });
     for (const ChannelReport& report : reports) {
         result.iterations = std::max(result.iterations, report.iterations);
@@ -289,14 +245,16 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
 }
 
 // Keeps the directions of what leaves, and lets the balance say how much it is.
-void BodyDiffusion::balance(int c, const std::vector<double>& on_its_way, Solution& result) const {
-    const Balance balance(reduced_channel(medium_, c));
+void BodyDiffusion::say_how_much(int c, const std::vector<double>& on_its_way_out,
+                                 Solution& result) const {
+    const LightBalance balance(reduced_channel(medium_, c), orders_);
     const float mean_cosine = mean_cosine_of_leaving(medium_.eta);
-    for (std::size_t i = 0; i < on_its_way.size(); ++i) {
+    for (std::size_t i = 0; i < on_its_way_out.size(); ++i) {
         LeavingRadiance& X = result.radiance[i][std::size_t(c)];
         const double mean =
             double(X.even + mean_cosine * glm::dot(X.slope, fine_.clusters.normal[i]));
-        X.even += float(balance.mix(double(result.fine.B[i][c]), on_its_way[i], mean) - mean);
+        X.even +=
+            float(balance.leaving(double(result.fine.B[i][c]), on_its_way_out[i], mean) - mean);
     }
 }
 

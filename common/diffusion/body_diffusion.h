@@ -13,6 +13,7 @@
 #include "common/diffusion/source_sums.h"
 #include "common/diffusion/surface_clusters.h"
 #include "common/optics/medium.h"
+#include "common/optics/profile.h"
 
 namespace tallow {
 
@@ -37,9 +38,10 @@ class BodyDiffusion {
 public:
     /// Clusters and operators, for any light. `samples` are all of the closed surface, and what
     /// they point to must outlive this, and so must what `follow` refers to. Channels that are not
-    /// `solved` get no fields.
+    /// `solved` get no fields. What leaves has the orders that are asked for.
     BodyDiffusion(const SampledSurface& samples, const Medium& medium, const ClusterWish& wish,
-                  const FollowFlights& follow, std::array<bool, 3> solved = {true, true, true});
+                  const FollowFlights& follow, Orders orders,
+                  std::array<bool, 3> solved = {true, true, true});
 
     /// How far flights have to be followed, mm.
     static float longest_flight(const Medium& medium);
@@ -92,9 +94,10 @@ private:
     void find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
                        std::span<const std::int64_t> own_sample,
                        std::vector<ClusterRadiance>& radiance) const;
-    void balance(int c, const std::vector<double>& on_its_way, Solution& result) const;
+    void say_how_much(int c, const std::vector<double>& on_its_way_out, Solution& result) const;
 
     Medium medium_;
+    Orders orders_;
     std::array<bool, 3> solved_;
     SampledSurface samples_;
     PatchTree tree_;

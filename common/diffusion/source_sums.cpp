@@ -8,6 +8,7 @@
 
 #include "common/base/parallel.h"
 #include "common/diffusion/leaving_radiance.h"
+#include "common/diffusion/light_balance.h"
 #include "common/nbody/point_sum.h"
 #include "common/optics/fresnel.h"
 
@@ -142,7 +143,8 @@ KernelTable tabulate_leaving_diffusion(const ReducedChannel& reduced, double uni
 KernelTable tabulate_on_its_way_out(const ReducedChannel& reduced, double unit, double range) {
     const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
     return tabulate_all_depths(reduced, unit, range, [&](double r2, double t) {
-        const double u = r2 + t * t + kSoftening * kSoftening;
+        const double z = t + LightBalance::kAbove;
+        const double u = r2 + z * z;
         return k.D * std::exp(-std::sqrt(u)) / u;
     });
 }
@@ -191,9 +193,13 @@ std::vector<double> SourceSums::inside(std::span<const Vec3> points,
                [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 
-std::vector<double> SourceSums::on_its_way(std::span<const Vec3> places,
-                                           std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.on_its_way, kernels_.depths.weight.size(),
+std::vector<double> SourceSums::on_its_way_out(std::span<const Vec3> places,
+                                               std::span<const Vec3> normals) const {
+    std::vector<Vec3> above(places.size());
+    for (std::size_t i = 0; i < above.size(); ++i)
+        above[i] = places[i] + float(LightBalance::kAbove * mfp_) * normals[i];
+    return sum(above, std::vector<std::int64_t>(above.size(), -1), kernels_.on_its_way,
+               kernels_.depths.weight.size(),
                [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
 }
 

@@ -33,7 +33,7 @@ struct EnteringLight {
 /// on_its_way           the second part of `inside` alone
 /// leaving              what leaves of `inside` in a half-space, all depths of sources together
 /// leaving_diffusion    what diffusion lets leave in a half-space, phi / (2 A)
-/// on_its_way_out       on_its_way at the surface of a half-space
+/// on_its_way_out       on_its_way above the surface of a half-space, by LightBalance::kAbove
 struct SourceKernels {
     /// Out to `range` mm.
     SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel, double range);
@@ -64,9 +64,10 @@ public:
     std::vector<double> inside(std::span<const Vec3> points,
                                std::span<const std::int64_t> own_sample) const;
 
-    /// Fluence of light that scattered once and is on its way, at places of the surface.
-    std::vector<double> on_its_way(std::span<const Vec3> places,
-                                   std::span<const std::int64_t> own_sample) const;
+    /// Fluence of light that scattered once and is on its way, above places of the surface, as if
+    /// the medium went on there.
+    std::vector<double> on_its_way_out(std::span<const Vec3> places,
+                                       std::span<const Vec3> normals) const;
 
     /// H: exitance of the half-space that has these sources, of light that scattered twice or more;
     /// what `inside` and the layers are for a body.
@@ -78,7 +79,7 @@ public:
     std::vector<double> diffusion_leaving_half_space(
         std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const;
 
-    /// on_its_way() of the half-space.
+    /// on_its_way_out() of the half-space.
     std::vector<double> on_its_way_out_of_half_space(
         std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const;
 

@@ -67,7 +67,7 @@ BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orde
     if (directional_) shifts_.exit = {};
     diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
                        cluster_wish(wish, body.area_mm2, material.medium.mean_free_path(), solved),
-                       follow_, solved);
+                       follow_, orders, solved);
 }
 
 BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit) const {
