@@ -182,7 +182,7 @@ BodyDiffusion::ChannelReport BodyDiffusion::solve_channel(int c, const std::vect
                          Fields& fields) {
         for (std::size_t i = 0; i < of_phi.size(); ++i) {
             fields.B[i][c] = float(std::max(0.0, of_phi[i] / to_fluence));
-            fields.H[i][c] = float(of_H[i]);
+            fields.H[i][c] = float(std::max(0.0, of_H[i]));
         }
     };
     put(fine.phi, fine_H, result.fine);

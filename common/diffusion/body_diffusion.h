@@ -48,7 +48,7 @@ public:
 
     struct Fields {
         std::vector<Rgb> B;  // [cluster] phi / (2 A), W/mm^2, >= 0
-        std::vector<Rgb> H;  // [cluster] exitance of the half-space, W/mm^2
+        std::vector<Rgb> H;  // [cluster] exitance of the half-space, W/mm^2, >= 0
     };
     using ClusterRadiance = std::array<LeavingRadiance, 3>;  // [channel]
     /// On the clusters, and on a quarter as many for an estimate of the error. Linear in the light:

@@ -21,27 +21,42 @@ struct LitSurface {
     std::vector<float> area;
     std::vector<Rgb> E_t;
     std::vector<OctreeNode> nodes;
-    std::vector<Beam> beams;
+    std::vector<Flight> flights;
     std::vector<std::uint32_t> index;
 
     void add(Vec3 x, Vec3 n, float a, float E) {
         position.push_back(x), normal.push_back(n), w_i.push_back(-n);
         area.push_back(a), E_t.push_back(Rgb(E));
     }
-    void build_tree(float beam_length = 1e9f) {
+    void build_tree(float length = kInfinity) {
         const auto order = sorted_order(morton_codes(position));
         LitSurface sorted;
         for (const auto i : order) sorted.add(position[i], normal[i], area[i], E_t[i][0]);
         sorted.nodes = build_octree(sorted.position);
-        sorted.beams.assign(position.size(), {beam_length, 0, Vec3(0, 0, 1)});
-        for (std::uint32_t i = 0; i < position.size(); ++i) sorted.index.push_back(i);
+        for (std::uint32_t i = 0; i < position.size(); ++i) {
+            sorted.flights.push_back({{Flight::Leg{sorted.w_i[i], length, 1}}});
+            sorted.index.push_back(i);
+        }
         *this = std::move(sorted);
     }
     SampledSurface surface() const { return {position, normal, area}; }
-    EnteringLight light() const { return {position, normal, w_i, E_t, area, beams, index, nodes}; }
+    EnteringLight light() const {
+        return {position, normal, w_i, E_t, area, flights, index, nodes};
+    }
 };
 
 constexpr ClusterWish k1000{1000, 1000};
+
+// No surface within reach.
+const FollowFlights kStraight = [](auto, auto, std::span<const Vec3> w, float) {
+    std::vector<Flight> flights;
+    for (const Vec3& direction : w) flights.push_back(Flight::straight(direction));
+    return flights;
+};
+
+BodyDiffusion diffusion_in(const LitSurface& body, const Medium& medium) {
+    return {body.surface(), medium, k1000, kStraight, Orders::two_and_more};
+}
 
 constexpr double kRadius = 10;
 
@@ -94,9 +109,20 @@ Constants constants(const Medium& medium) {
     return {k.D * mfp, k.s / mfp, k.A, reduced.alpha_prime, mfp};
 }
 
-// The depths of first scattering that BodyDiffusion uses, a quadrature of e^-t.
-constexpr double kDepths[][2] = {
-    {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
+struct Depth {
+    double z, weight;  // mm, 1
+};
+// The depths of first scattering that BodyDiffusion uses, on ways of this length [mm].
+std::vector<Depth> source_depths(const Constants& k, float length = kInfinity) {
+    const auto rule = first_scattering_rule(k.s * k.length);
+    const Flight flight{{Flight::Leg{Vec3(0, 0, 1), length, 1}}};
+    const Collisions collisions(flight, k.length);
+    std::vector<Depth> depths;
+    for (std::size_t i = 0; i < rule.weight.size(); ++i)
+        depths.push_back({double(collisions.at(rule.share_on(i, collisions.length())).z),
+                          rule.weight[i] * collisions.probability()});
+    return depths;
+}
 
 using Function = std::function<double(double)>;
 double derivative(const Function& f, double x) {
@@ -148,8 +174,8 @@ private:
 double sphere_exitance(const Constants& k, int l) {
     const SphereSolutions solutions(k, l);
     double phi = 0;
-    for (const auto& [t, w] : kDepths)
-        phi += solutions.outside(kRadius - t * k.length, k.alpha_prime * w * kRadius * kRadius) *
+    for (const auto& [z, w] : source_depths(k))
+        phi += solutions.outside(kRadius - z, k.alpha_prime * w * kRadius * kRadius) *
                solutions.outer(kRadius);
     return phi / (2 * k.A);
 }
@@ -157,7 +183,7 @@ double sphere_exitance(const Constants& k, int l) {
 TEST(BodyDiffusion, SphereMatchesItsClosedForm) {
     const LitSurface sphere = lit_sphere(20000);
     for (const float sigma_a : {0.0003f, 0.01f, 0.3f}) {
-        const BodyDiffusion diffusion(sphere.surface(), medium(sigma_a), k1000);
+        const BodyDiffusion diffusion = diffusion_in(sphere, medium(sigma_a));
         const auto solution = diffusion.solve(sphere.light());
         EXPECT_TRUE(solution.converged);
         const Constants k = constants(medium(sigma_a));
@@ -177,16 +203,14 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
     for (const double thickness : {1.5, 6.0})
         for (const float sigma_a : {0.05f}) {
             const LitSurface plate = lit_plate(thickness, 0.5);
-            const BodyDiffusion diffusion(plate.surface(), medium(sigma_a), k1000);
+            const BodyDiffusion diffusion = diffusion_in(plate, medium(sigma_a));
             const auto solution = diffusion.solve(plate.light());
             const Constants k = constants(medium(sigma_a));
             const auto u = [&](double x) {
                 return std::sinh(k.s * x) + 2 * k.A * k.D * k.s * std::cosh(k.s * x);
             };
             double front = 0, back = 0;
-            for (const auto& [t, w] : kDepths) {
-                const double z = t * k.length;
-                if (z >= thickness) continue;
+            for (const auto& [z, w] : source_depths(k, float(thickness))) {
                 const double W =
                     k.s * (u(z) * (std::cosh(k.s * (thickness - z)) +
                                    2 * k.A * k.D * k.s * std::sinh(k.s * (thickness - z))) +
@@ -209,11 +233,11 @@ TEST(BodyDiffusion, SlabMatchesItsClosedForm) {
 
 TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     const LitSurface block = lit_plate(20, 0.3);
-    const BodyDiffusion diffusion(block.surface(), medium(0.3f), k1000);
+    const BodyDiffusion diffusion = diffusion_in(block, medium(0.3f));
     const auto solution = diffusion.solve(block.light());
     // A profile that is what diffusion gives: nothing is to be put right.
     const LeavingField field(diffusion.clusters(), solution.radiance, solution.fine.H,
-                             solution.fine.H, medium(0.3f), false, Rgb(1));
+                             solution.fine.H, 1.5f, false, Rgb(1));
     for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
         const Vec3 x = diffusion.clusters().position[i], n = diffusion.clusters().normal[i];
         if (std::abs(x.x) > 15 || std::abs(x.y) > 15 || x.z < -1) continue;
@@ -248,8 +272,8 @@ TEST(BoundaryOperator, KnowsTheFluenceInside) {
         for (std::size_t i = 0; i < radius.size(); ++i) {
             const double x = k.s * radius[i];
             double S = 0, at_center = 0;
-            for (const auto& [t, w] : kDepths) {
-                const double a = kRadius - t * k.length, q = k.alpha_prime * w * kRadius * kRadius;
+            for (const auto& [z, w] : source_depths(k)) {
+                const double a = kRadius - z, q = k.alpha_prime * w * kRadius * kRadius;
                 S += q / k.D * std::exp(-k.s * a) / a * std::sinh(x) / x;
                 at_center += SphereSolutions(k, 0).inside(a, q);
             }

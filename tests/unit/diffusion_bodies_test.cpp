@@ -10,7 +10,7 @@
 
 #include "common/diffusion/body_diffusion.h"
 #include "common/exitance/body_exitance.h"
-#include "common/lighting/beams.h"
+#include "common/lighting/flights.h"
 #include "common/scene/scene_geometry.h"
 #include "precompute/build_octree.h"
 #include "precompute/sample_surface.h"
@@ -48,33 +48,32 @@ public:
     }
 
     SampledSurface surface() const { return {samples_.position, samples_.normal, samples_.area}; }
-    BodyDiffusion diffusion(const Medium& medium, ClusterWish wish) const {
-        return {surface(), medium, wish};
+    BodyDiffusion diffusion(const Medium& medium, ClusterWish wish,
+                            std::array<bool, 3> solved = {true, true, true}) const {
+        return {surface(), medium, wish, flights_in(rays_, 0, medium.eta), Orders::two_and_more,
+                solved};
     }
     BodyDiffusion::Solution solve(const BodyDiffusion& diffusion, const Medium& medium) const {
-        const auto beams =
-            follow_beams(rays_, 0, lit_, medium.eta, BodyDiffusion::deepest_source(medium));
-        return diffusion.solve({lit_.position, lit_.normal, lit_.w_i, lit_.E_t, lit_.area, beams,
+        const std::vector<Flight> flights = follow(medium);
+        return diffusion.solve({lit_.position, lit_.normal, lit_.w_i, lit_.E_t, lit_.area, flights,
                                 lit_.index, lit_.nodes});
     }
     // Light of a channel that scatters inside; the rest passes straight through thin parts.
     double scattered(const Medium& medium, int c) const {
-        constexpr double kDepths[][2] = {
-            {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
-        const auto beams =
-            follow_beams(rays_, 0, lit_, medium.eta, BodyDiffusion::deepest_source(medium));
+        const std::vector<Flight> flights = follow(medium);
         double sum = 0;
         for (std::size_t i = 0; i < lit_.area.size(); ++i)
-            for (const auto& [t, w] : kDepths) {
-                const bool inside =
-                    t * double(medium.mean_free_path()[c]) <= double(beams[i].length);
-                sum += w * double(lit_.area[i] * lit_.E_t[i][c]) *
-                       (inside ? 1 : double(beams[i].reflected));
-            }
+            sum += double(lit_.area[i] * lit_.E_t[i][c]) *
+                   Collisions(flights[i], double(medium.mean_free_path()[c])).probability();
         return sum;
     }
 
 private:
+    std::vector<Flight> follow(const Medium& medium) const {
+        return flights_in(rays_, 0, medium.eta)(lit_.position, lit_.normal, lit_.w_i,
+                                                BodyDiffusion::longest_flight(medium));
+    }
+
     std::vector<Surface> surfaces_;
     RayScene rays_;
     SurfaceSamples samples_;
@@ -151,7 +150,7 @@ TEST(DiffusionFurnace, ArmadilloReturnsWhatItReceives) {
 }
 
 // Centroids of cells lie above the surface in hollows: such a beam must not end where it enters.
-TEST(Beams, EnterBeforeTheyLeave) {
+TEST(Flights, EnterBeforeTheyLeave) {
     const Surface surface = cube(8);
     const RayScene rays(std::span(&surface, 1));
     LitSamples lit;
@@ -160,14 +159,20 @@ TEST(Beams, EnterBeforeTheyLeave) {
         lit.normal.push_back({0, 0, 1});
         lit.w_i.push_back({0, 0, -1});
     }
-    const std::vector<Beam> beams = follow_beams(rays, 0, lit, 1.5f, 20);
-    for (std::size_t i = 0; i < beams.size(); ++i) {
-        EXPECT_NEAR(beams[i].length, 8 + lit.position[i].z - 4, 0.01f) << i;
-        EXPECT_NEAR(beams[i].reflected, 0.04f, 1e-4f) << i;
+    const FollowFlights follow = flights_in(rays, 0, 1.5f);
+    const std::vector<Flight> flights = follow(lit.position, lit.normal, lit.w_i, 20);
+    for (std::size_t i = 0; i < flights.size(); ++i) {
+        const auto& legs = flights[i].legs;
+        EXPECT_NEAR(legs[0].length, 8 + lit.position[i].z - 4, 0.01f) << i;
+        EXPECT_EQ(legs[0].share, 1) << i;
+        EXPECT_NEAR(legs[1].length, 8, 0.01f) << i;  // back to where it came from
+        EXPECT_NEAR(legs[1].share, 0.04f, 1e-4f) << i;
+        EXPECT_GT(legs[1].w.z, 0.999f) << i;
+        EXPECT_NEAR(legs[2].share, 0.0016f, 1e-5f) << i;
     }
-    for (const Beam& beam : follow_beams(rays, 0, lit, 1.5f, 5)) {
-        EXPECT_EQ(beam.length, 5);  // still inside
-        EXPECT_EQ(beam.reflected, 0);
+    for (const Flight& flight : follow(lit.position, lit.normal, lit.w_i, 5)) {
+        EXPECT_EQ(flight.legs[0].length, kInfinity);  // still inside
+        EXPECT_EQ(flight.legs[1].share, 0);
     }
 }
 
@@ -353,7 +358,7 @@ TEST(BodyDiffusion, SolutionsOfLightsAddUp) {
 
 TEST(BodyDiffusion, ChannelsThatAreNotSolvedHaveTheRatioOne) {
     const Body body(cube(8), 0.5f, kUniform);
-    const BodyDiffusion diffusion(body.surface(), kWhite, k800, {true, false, true});
+    const BodyDiffusion diffusion = body.diffusion(kWhite, k800, {true, false, true});
     const auto solution = body.solve(diffusion, kWhite);
     expect_sound(diffusion, solution, "two channels");
     const Rgb at = diffusion.ratio(solution).at({0, 0, 4}, {0, 0, 1});
@@ -370,6 +375,9 @@ TEST(BodyExitance, OfAPlaneIsThatOfTheHalfSpace) {
 objects: [{shape: plane, point: [0, 0, 0], normal: [0, 0, 1], radius: 9, material: m}]
 lights: [{type: point, position: [0, 0, 9], intensity: 1}]
 )";
+    const FollowFlights no_flights = [](auto, auto, auto, float) -> std::vector<Flight> {
+        throw std::logic_error("a plane was asked for flights");
+    };
     std::vector<std::vector<Rgb>> results;
     for (const std::string value : {"on", "off"}) {
         std::string of_value = text;
@@ -389,10 +397,9 @@ lights: [{type: point, position: [0, 0, 9], intensity: 1}]
                             nodes,
                             {{E_t, w_i}}};
         const LitSamples lit = light_samples(view, scene.groups);
-        const BodyExitance exitance(view, scene, Orders::all, ExitanceUse::paths);
+        const BodyExitance exitance(view, scene, Orders::all, ExitanceUse::paths, no_flights);
         EXPECT_EQ(exitance.clusters(), 0u);
-        EXPECT_EQ(exitance.beam_length(), 0);
-        const BodyDiffusion::Solution solution = exitance.solve(lit, {});
+        const BodyDiffusion::Solution solution = exitance.solve(lit);
         EXPECT_FALSE(exitance.report(solution).wanted);
         std::vector<ExitancePoint> points;
         for (std::size_t i = 0; i < samples.size(); i += 5)
@@ -424,10 +431,10 @@ lights: [{type: point, position: [0, 0, 9], intensity: 1}]
         nodes, {{E_t, w_i}}};
     const LitSamples lit = light_samples(view, scene.groups);
     const RayScene rays(std::span(&surface, 1));
-    const BodyExitance exitance(view, scene, Orders::all, ExitanceUse::seen);
+    const BodyExitance exitance(view, scene, Orders::all, ExitanceUse::seen,
+                                flights_in(rays, 0, 1.4f));
     ASSERT_GT(exitance.clusters(), 0u);
-    const auto solution =
-        exitance.solve(lit, follow_beams(rays, 0, lit, 1.4f, exitance.beam_length()));
+    const auto solution = exitance.solve(lit);
     std::vector<ExitancePoint> points;
     for (std::size_t i = 0; i < samples.size(); i += 11)
         points.push_back({samples.position[i], samples.normal[i], samples.normal[i]});
