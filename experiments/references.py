@@ -20,6 +20,7 @@ CASES = [
     "leaf-marble", "armadillo-skimmilk", "leaf-skimmilk", "bunny-skin1", "sphere-skin1",
     "armadillo-skin1", "leaf-skin1", "sphere-dim", "bunny-dim", "armadillo-dim", "leaf-dim",
     "elephant-wholemilk", "elephant-skin2", "elephant-chicken1", "bunny_lamp-potato", "cup_sky-apple",
+    "cup_lamp-cream", "armadillo_sky-potato", "leaf_front-chicken2",
 ]
 
 
