@@ -120,7 +120,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--most", type=int, default=1_000_000,
                         help="samples of a figure [default: 1,000,000]")
-    parser.add_argument("--runs", type=int, default=3, help="of the solve [default: 3]")
+    parser.add_argument("--runs", type=int, default=2, help="of the solve [default: 2]")
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, metavar="X",
                         help="mean free paths; any but the default ones are only printed")
     arguments = parser.parse_args()
