@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scene and cache -> error, time and memory of the boundary-element solve against the number of
-// clusters, as CSV on stdout.
+// clusters, and how far its exitance is from the half-space's, as CSV on stdout.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,6 +54,7 @@ struct Row {
     double build_seconds, solve_seconds;
     double megabytes, estimate;
     int iterations;
+    std::string solved;              // channels, "-" if none
     std::vector<Rgb> M, half_space;  // [point]
 };
 
@@ -74,16 +75,26 @@ std::vector<ExitancePoint> points_of(const BodyView& body) {
     return points;
 }
 
+std::string solved_channels(const DiffusionReport& report) {
+    std::string names;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (report.solved[c]) names += "RGB"[c];
+    return names.empty() ? "-" : names;
+}
+
 Row solve(const BodyExitance& exitance, const LitSamples& lit,
           std::span<const ExitancePoint> points, double build_seconds) {
     const CpuSeconds seconds;
-    const BodyDiffusion::Solution solution = exitance.solve(lit);
+    BodyDiffusion::Solution solution;
+    if (exitance.clusters() > 0) solution = exitance.solve(lit);
+    const DiffusionReport report = exitance.report(solution);
     Row row{exitance.clusters(),
             build_seconds,
             seconds(),
             double(exitance.memory_bytes()) * 1e-6,
-            exitance.report(solution).error,
+            report.error,
             solution.iterations,
+            solved_channels(report),
             {},
             {}};
     row.M = exitance.field(lit, solution, ExitanceAccuracy{0.002f}).gather(points).M;
@@ -101,6 +112,33 @@ double error(const std::vector<Rgb>& M, const std::vector<Rgb>& reference) {
     return sum > 0 ? std::sqrt(squares * 3 * double(M.size())) / sum : 0;
 }
 
+/// The exitance of the same light under `model: transport`.
+std::vector<Rgb> transport_exitance(const BodyView& body, Scene scene, const LitSamples& lit,
+                                    std::span<const ExitancePoint> points) {
+    for (Material& material : scene.materials)
+        if (auto* medium = std::get_if<SubsurfaceMaterial>(&material.kind))
+            use_model(*medium, Model::transport);
+    const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths);
+    return exitance.field(lit, {}, ExitanceAccuracy{0.002f}).gather(points).M;
+}
+
+/// The ratio M / half_space that a part `quantile` of the points and channels stays below, where
+/// half_space is at least a hundredth of its mean: in the dark the ratio tells nothing.
+double ratio_quantile(const Row& row, double quantile) {
+    Rgb sum(0);
+    for (const Rgb& M : row.half_space) sum += M;
+    const Rgb least = sum * (0.01f / float(row.half_space.size()));
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < row.M.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            if (row.half_space[i][c] > least[c])
+                ratios.push_back(double(row.M[i][c]) / double(row.half_space[i][c]));
+    if (ratios.empty()) return 1;
+    const auto at = ratios.begin() + std::ptrdiff_t(quantile * double(ratios.size() - 1));
+    std::ranges::nth_element(ratios, at);
+    return *at;
+}
+
 void measure(const Arguments& a, ToolRun& run) {
     const std::vector<std::size_t> numbers = parse_list(a.clusters);
     const Scene scene = load_scene(a.scene, a.overrides);
@@ -109,11 +147,12 @@ void measure(const Arguments& a, ToolRun& run) {
     require_fingerprint(a.cache, cache.view().fingerprint, scene_fingerprint(scene, geometry));
     const RayScene rays(geometry.surfaces);
     fmt::print(
-        "object,clusters,build_cpu_s,solve_cpu_s,megabytes,iterations,estimate,relRMSE,half_"
-        "space\n");
+        "object,clusters,build_cpu_s,solve_cpu_s,megabytes,iterations,estimate,relRMSE,half_space,"
+        "solved,ratio_1,ratio_99,transport\n");
     for (const BodyView& body : cache.view().bodies) {
         const LitSamples lit = light_samples(body, scene.groups);
         const auto points = points_of(body);
+        const std::vector<Rgb> transport = transport_exitance(body, scene, lit, points);
         std::vector<Row> rows;
         for (const std::size_t n : numbers) {
             const CpuSeconds seconds;
@@ -122,14 +161,16 @@ void measure(const Arguments& a, ToolRun& run) {
                 flights_in(rays, body.object, subsurface(scene, body.object)->medium.eta),
                 DiffusionWish{0.01, n});
             const double build_seconds = seconds();
-            if (exitance.clusters() == 0) break;
             rows.push_back(solve(exitance, lit, points, build_seconds));
+            if (exitance.clusters() == 0) break;
         }
         for (const Row& row : rows)
-            fmt::print("{},{},{:.3f},{:.3f},{:.2f},{},{:.5f},{:.5f},{:.5f}\n", body.object,
-                       row.clusters, row.build_seconds, row.solve_seconds, row.megabytes,
-                       row.iterations, row.estimate, error(row.M, rows.back().M),
-                       error(row.half_space, rows.back().M));
+            fmt::print(
+                "{},{},{:.3f},{:.3f},{:.2f},{},{:.5f},{:.5f},{:.5f},{},{:.4f},{:.4f},{:.5f}\n",
+                body.object, row.clusters, row.build_seconds, row.solve_seconds, row.megabytes,
+                row.iterations, row.estimate, error(row.M, rows.back().M),
+                error(row.half_space, rows.back().M), row.solved, ratio_quantile(row, 0.01),
+                ratio_quantile(row, 0.99), error(transport, row.M));
     }
 }
 

@@ -60,9 +60,11 @@ TEST(AvailableMemory, ObeysControlGroupsOfVersion1) {
 TEST(AvailableMemory, ObeysTheAddressSpaceLimit) {
     const Machine machine;
     machine.put("proc/self/status", "VmSize:\t 1000 kB\n");
+    machine.put("proc/meminfo", "MemAvailable: 1000000000000 kB\n");
     rlimit before{};
     ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
-    const rlimit tight{std::min(before.rlim_cur, rlim_t(1) << 31), before.rlim_max};
+    // More than sanitizers reserve, 20 TiB: below that they cannot allocate.
+    const rlimit tight{std::min(before.rlim_cur, rlim_t(1) << 46), before.rlim_max};
     ASSERT_EQ(setrlimit(RLIMIT_AS, &tight), 0);  // lowering is always allowed
     const AvailableMemory memory = machine.memory();
     setrlimit(RLIMIT_AS, &before);
