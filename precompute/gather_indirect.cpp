@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
 
 #include "common/exitance/body_exitance.h"
 #include "common/lighting/beams.h"
@@ -60,10 +61,16 @@ void clear(std::vector<GroupIrradiance>& groups, std::size_t begin, std::size_t 
     }
 }
 
-GatherPatches make_patches(const RayScene& rays, const SampledBody& body,
+GatherPatches make_patches(const RayScene& rays, const SampledBody& body, const PatchTree* tree,
                            const std::optional<PatchSize>& size) {
-    if (!size) return GatherPatches(body.samples);
-    return GatherPatches(body.samples, rays, body.spacing, *size);
+    const SurfaceSamples& samples = body.samples;
+    if (!size) return GatherPatches(samples);
+    if (tree) return {samples, rays, *tree, body.spacing, *size};
+    const double radius = double(body.spacing * size->largest_radius);
+    return {samples, rays,
+            build_patch_tree({samples.position, samples.normal, samples.area},
+                             std::numbers::pi * radius * radius),
+            body.spacing, *size};
 }
 
 /// What reaches one body, chunk by chunk of its patches; chunks that the checkpoint has are not
@@ -71,8 +78,8 @@ GatherPatches make_patches(const RayScene& rays, const SampledBody& body,
 class BodyReceiver {
 public:
     BodyReceiver(const Scene& scene, const RayScene& rays, const SampledBody& body,
-                 const IndirectOptions& options, std::size_t most_kept)
-        : patches_(make_patches(rays, body, options.patches)),
+                 const PatchTree* tree, const IndirectOptions& options, std::size_t most_kept)
+        : patches_(make_patches(rays, body, tree, options.patches)),
           paths_(scene, rays, body, patches_, {options.bounces, options.rays, options.diffuse},
                  options.bounces > 1 ? most_kept : 0),
           chunk_(std::max<std::size_t>(64, kRaysPerChunk / std::size_t(options.rays))),
@@ -147,8 +154,9 @@ std::vector<DiffusionReport> gather_indirect(const Scene& scene, const RayScene&
     for (SampledBody& body : bodies) {
         views.push_back(body.view());
         exitance.emplace_back(views.back(), scene, Orders::all, ExitanceUse::paths,
-                              DiffusionWish{double(options.tolerance)});
-        receivers.emplace_back(scene, rays, body, options, kMostKept / bodies.size());
+                              DiffusionWish{kPathsTolerance * double(options.tolerance)});
+        receivers.emplace_back(scene, rays, body, exitance.back().tree(), options,
+                               kMostKept / bodies.size());
         patches += receivers.back().count();
     }
     progress.begin("indirect", patches * std::size_t(options.bounces), "places");

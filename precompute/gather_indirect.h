@@ -22,6 +22,11 @@ struct IndirectOptions {
     std::optional<PatchSize> patches{};         ///< without, every sample has rays of its own
 };
 
+/// How much coarser than the tolerance asks for the diffusion may be of the light that bodies send
+/// to each other and themselves. It is a quarter of the light at most in what was measured, and
+/// half as many clusters change the exitance by KPATHS (docs/INDIRECT.md).
+inline constexpr double kPathsTolerance = 2;
+
 /// Fills `indirect` of every body: light that reaches a sample after it was reflected, by opaque
 /// surfaces or by bodies, this one included.
 ///

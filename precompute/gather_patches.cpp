@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 
 #include "common/base/check.h"
@@ -59,14 +58,11 @@ GatherPatches::GatherPatches(const SurfaceSamples& samples) : samples_(samples),
     std::iota(first_.begin(), first_.end(), 0u);
 }
 
-GatherPatches::GatherPatches(const SurfaceSamples& samples, const RayScene& rays, float spacing,
-                             PatchSize size)
-    : samples_(samples), single_(false) {
+GatherPatches::GatherPatches(const SurfaceSamples& samples, const RayScene& rays,
+                             const PatchTree& tree, float spacing, PatchSize size)
+    : samples_(samples), single_(false), order_(tree.order) {
     if (samples.size() == 0) return;
     size.largest_radius *= spacing;
-    const double largest = std::numbers::pi * double(size.largest_radius * size.largest_radius);
-    PatchTree tree = build_patch_tree({samples.position, samples.normal, samples.area}, largest);
-    order_ = std::move(tree.order);
     cut(tree, look_around(samples, rays, order_), size, 0, 0);
     describe();
     boxes_.resize(4 * count());

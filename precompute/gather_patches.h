@@ -38,9 +38,9 @@ class GatherPatches {
 public:
     /// Every sample by itself. `samples` must outlive the patches.
     explicit GatherPatches(const SurfaceSamples& samples);
-    /// The same for any number of threads.
-    GatherPatches(const SurfaceSamples& samples, const RayScene& rays, float spacing,
-                  PatchSize size);
+    /// `tree` is over the same samples. The same for any number of threads.
+    GatherPatches(const SurfaceSamples& samples, const RayScene& rays, const PatchTree& tree,
+                  float spacing, PatchSize size);
 
     std::size_t count() const { return first_.size() - 1; }
     /// Patches are single samples, and nothing is spread.

@@ -186,7 +186,8 @@ void report_diffusion(const Scene& scene, std::uint32_t object, const DiffusionR
     stats.errors[fmt::format("objects[{}].diffusion_converged", object)] =
         std::int64_t(report.converged);
     add_count(stats, "clusters", std::int64_t(report.clusters));
-    const std::string warning = diffusion_warning(report, double(scene.settings.tolerance));
+    const std::string warning =
+        diffusion_warning(report, kPathsTolerance * double(scene.settings.tolerance));
     if (!warning.empty()) progress.note(scene.objects[object].where + ": " + warning);
 }
 

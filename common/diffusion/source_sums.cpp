@@ -8,7 +8,6 @@
 
 #include "common/base/parallel.h"
 #include "common/diffusion/leaving_radiance.h"
-#include "common/nbody/point_sum.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
@@ -21,7 +20,8 @@ struct Depth {
 constexpr Depth kDepths[] = {
     {.0601, .12}, {.2614, .22}, {.5978, .24}, {1.1593, .24}, {2.5257, .18}};
 
-constexpr float kSumTolerance = 5e-3f;
+// Measured: 5e-3 changes the exitance by KSUM.
+constexpr float kSumTolerance = 1e-2f;
 
 // Of the distance from a source in an infinite medium, mean free paths; well below the first depth.
 constexpr double kSoftening = 0.02;
@@ -32,6 +32,9 @@ constexpr double kSofteningInside = 0.15;
 // A sample that is as near as its own cell is wide does not act as a point: its cell is summed over
 // so many points instead.
 constexpr int kCellPoints = 32;
+
+// Farther away than so many areas of its cell (squared) it acts as a point: within 1 % of itself.
+constexpr float kFarFromCell = 9;
 
 // Depths at which the half-space's fluence is known, mean free paths: those of LeavingRays at the
 // mean cosine inside, 0.85, so that both miss the same.
@@ -86,8 +89,11 @@ double fluence_in_half_space(double r2, double t, double z, double alpha_prime,
     return alpha_prime * diffuse + k.D * std::exp(-near) / near2;
 }
 
+// Of the tables, an order below that of the sums: finer ones take longer to make than to use.
+constexpr double kTableError = 5e-4;
+
 KernelTable tabulate(const auto& kernel, double unit, double mfp, double range) {
-    return {kernel, mfp, unit, std::max(kernel(range * range) * 1e-2, 1e-30)};
+    return {kernel, mfp, unit, std::max(kernel(range * range) * 1e-2, 1e-30), kTableError};
 }
 
 KernelTable tabulate_infinite(const ChannelDiffusion& k, double unit, double mfp, double range) {
@@ -135,22 +141,31 @@ SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusi
       inside(tabulate_inside(channel, reduced.alpha_prime, unit, 1 / reduced.sigma_t_prime, range)),
       leaving(tabulate_leaving(reduced, unit, range)) {}
 
+SourceSums::SourceSums(const EnteringLight& light, const SourceKernels& kernels,
+                       double mean_free_path, int c)
+    : light_(light),
+      kernels_(kernels),
+      mfp_(mean_free_path),
+      c_(c),
+      on_beams_(sources(kernels.in_infinite_medium, std::size(kDepths),
+                        [&](std::size_t i, std::size_t k) { return on_beam(i, k); })) {}
+
 std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.in_infinite_medium, std::size(kDepths),
+    return sum(on_beams_, places, own_sample, std::size(kDepths),
                [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
 }
 
 std::vector<double> SourceSums::inside(std::span<const Vec3> points,
                                        std::span<const std::int64_t> own_sample) const {
-    return sum(points, own_sample, kernels_.inside, std::size(kDepths),
+    return sum({on_beams_, kernels_.inside}, points, own_sample, std::size(kDepths),
                [&](std::size_t i, std::size_t k) { return on_beam(i, k); });
 }
 
 std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.leaving, 1,
-               [&](std::size_t i, std::size_t) { return on_surface(i); });
+    const auto source = [&](std::size_t i, std::size_t) { return on_surface(i); };
+    return sum(sources(kernels_.leaving, 1, source), places, own_sample, 1, source);
 }
 
 // Beyond the end of a beam, what is mirrored of it.
@@ -167,13 +182,11 @@ SourceSums::Source SourceSums::on_surface(std::size_t i) const {
     return {float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
 }
 
-// [place] sum of the flux of samples times kernel, each sample acting at `sources` points
-// as source(sample, k) says. All are points of one tree: from afar they act together.
+// Of the flux of samples, each of which acts at `sources` points as source(sample, k) says. All are
+// points of one tree: from afar they act together.
 template <class SourceOf>
-std::vector<double> SourceSums::sum(std::span<const Vec3> places,
-                                    std::span<const std::int64_t> own_sample,
-                                    const KernelTable& kernel, std::size_t sources,
-                                    const SourceOf& source) const {
+PointSum SourceSums::sources(const KernelTable& kernel, std::size_t sources,
+                             const SourceOf& source) const {
     const std::size_t n = light_.area.size();
     std::vector<Vec3> positions(sources * n);
     std::vector<float> flux(sources * n);
@@ -187,14 +200,21 @@ std::vector<double> SourceSums::sum(std::span<const Vec3> places,
     std::vector<OctreeNode> nodes(light_.nodes.begin(), light_.nodes.end());
     for (OctreeNode& node : nodes)
         node.first *= std::uint32_t(sources), node.count *= std::uint32_t(sources);
-    const PointSum point_sum(positions, flux, nodes, kernel);
+    return {positions, flux, nodes, kernel};
+}
+
+// [place] of the sum, with cells in the place of samples that are near.
+template <class SourceOf>
+std::vector<double> SourceSums::sum(const PointSum& point_sum, std::span<const Vec3> places,
+                                    std::span<const std::int64_t> own_sample, std::size_t sources,
+                                    const SourceOf& source) const {
     std::vector<float> sums(places.size()), evaluations(places.size());
     point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
     std::vector<double> result(sums.size());
     parallel_for(result.size(), 64, [&](std::size_t i) {
         const double own = own_sample[i] < 0 ? 0
                                              : own_cell(places[i], std::size_t(own_sample[i]),
-                                                        kernel, sources, source);
+                                                        point_sum.kernel(), sources, source);
         // Where samples are far apart, what is taken off for the own cell is rounding at best.
         result[i] = kernels_.factor * std::max(0.0, double(sums[i]) + own);
     });
@@ -211,6 +231,7 @@ double SourceSums::own_cell(Vec3 place, std::size_t sample, const KernelTable& k
     for (std::size_t p = 0; p < sources; ++p) {
         const Source at = source(sample, p);
         const Vec3 d = to_sample + at.offset;
+        if (length2(d) > kFarFromCell * light_.area[sample]) continue;
         double mean = 0;
         for (int k = 0; k < kCellPoints; ++k)
             mean += double(kernel(length2(d + cell.point(k)))) / kCellPoints;
