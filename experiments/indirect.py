@@ -9,8 +9,8 @@ compares them with the largest. Writes docs/results/indirect.csv and prints it.
 """
 import argparse
 import csv
-import json
 import pathlib
+import resource
 import subprocess
 import tempfile
 
@@ -22,10 +22,13 @@ BIN = ROOT / "build/release/bin"
 
 
 def exitance(scene, size, folder, name, flags):
-    cache, image, stats = (folder / f"{name}.{end}" for end in ("tallow", "exr", "json"))
+    cache, image = (folder / f"{name}.{end}" for end in ("tallow", "exr"))
+    paths = [] if flags["samples"] == "auto" else ["--indirect-samples", str(flags["samples"])]
     bounces = ["--set", f"settings.bounces={flags['bounces']}"]
-    subprocess.run([BIN / "tallow-precompute", scene, "-o", cache, "--quiet", "--stats", stats,
-                    "--indirect-samples", str(flags["samples"]), *bounces], check=True)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run([BIN / "tallow-precompute", scene, "-o", cache, "--quiet", 
+                    *paths, *bounces], check=True)
+    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     subprocess.run([BIN / "tallow-render", scene, "--cache", cache, "-o", image, "--quiet",
                     "--samples", "1", "--tolerance", "0.001", "--aovs", "exitance",
                     "--set", f"cameras.main.resolution=[{size}, {size}]", *bounces,
@@ -34,7 +37,6 @@ def exitance(scene, size, folder, name, flags):
     with OpenEXR.File(str(image), separate_channels=True) as file:
         channels = file.channels()
         M = np.stack([channels[f"exitance.{c}"].pixels for c in "RGB"])
-    seconds = json.loads(stats.read_text())["seconds"].get("indirect", 0.0)
     return M.astype(np.float64), seconds
 
 
@@ -62,7 +64,7 @@ def main():
                              "materials": arguments.materials})
 
         reference, _ = run(arguments.most, 2)
-        for samples in (1, 4, 16, 64):
+        for samples in ("auto", 1, 4, 16, 64):
             M, seconds = run(samples, 2)
             rms, bias = error(M, reference)
             rows.append(["samples", samples, f"{rms:.3g}", f"{bias:.2g}", f"{seconds:.2f}"])
@@ -74,7 +76,7 @@ def main():
     out = ROOT / "docs/results/indirect.csv"
     with out.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["varied", "value", "rel_rmse", "bias", "seconds_indirect"])
+        writer.writerow(["varied", "value", "rel_rmse", "bias", "processor_seconds"])
         writer.writerows(rows)
     print(out.read_text())
 

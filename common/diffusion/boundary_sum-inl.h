@@ -31,7 +31,7 @@ using RowVector = hn::Vec<Rows>;
 constexpr float kOpening = 0.12f;
 
 // The same for sums at points inside, which need not be solved with.
-constexpr float kOpeningInside = 0.25f;
+constexpr float kOpeningInside = 0.18f;
 
 // Of a patch whose light has decayed by e to this power no channel sees more than the solid angle.
 constexpr float kDarkExponent = 16;
