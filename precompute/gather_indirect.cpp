@@ -21,9 +21,9 @@ namespace {
 // evaluator has neighbours enough, and a round's memory stays near 100 MB.
 constexpr std::size_t kRaysPerChunk = 1 << 19;
 
-// Places on bodies that are kept from round to round, of all bodies: 120 MB. Chosen: enough for
-// twenty figures at a tolerance of 1 %. What does not fit is followed again.
-constexpr std::size_t kMostKept = 1 << 21;
+// Places on bodies that are kept from round to round, of all bodies: 240 MB. Chosen: enough for
+// ten figures at a tolerance of 1 %. What does not fit is followed again.
+constexpr std::size_t kMostKept = 1 << 22;
 
 GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView& body,
                         const BodyExitance& exitance, float tolerance, DiffusionReport& worst) {
@@ -42,7 +42,7 @@ GroupFields make_fields(const Scene& scene, const RayScene& rays, const BodyView
         const BodyDiffusion::Solution solution = exitance.solve(lit, beams);
         add_worse(worst, exitance.report(solution));
         fields.push_back(std::make_unique<ExitanceField>(
-            exitance.field(lit, solution, ExitanceAccuracy{tolerance})));
+            exitance.field(lit, solution, ExitanceAccuracy{float(kPathsTolerance) * tolerance})));
     }
     return fields;
 }

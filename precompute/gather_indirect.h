@@ -22,9 +22,10 @@ struct IndirectOptions {
     std::optional<PatchSize> patches{};         ///< without, every sample has rays of its own
 };
 
-/// How much coarser than the tolerance asks for the diffusion may be of the light that bodies send
-/// to each other and themselves. It is a quarter of the light at most in what was measured, and
-/// half as many clusters change the exitance by KPATHS (docs/INDIRECT.md).
+/// How much coarser than the tolerance asks for the exitance may be of which bodies send light to
+/// each other and themselves: clusters of diffusion, and sums. It is a quarter of the light at most
+/// in what was measured, and half as many clusters change the exitance by KPATHS
+/// (docs/INDIRECT.md).
 inline constexpr double kPathsTolerance = 2;
 
 /// Fills `indirect` of every body: light that reaches a sample after it was reflected, by opaque
