@@ -23,9 +23,8 @@ struct IndirectOptions {
 };
 
 /// How much coarser than the tolerance asks for the exitance may be of which bodies send light to
-/// each other and themselves: clusters of diffusion, and sums. It is a quarter of the light at most
-/// in what was measured, and half as many clusters change the exitance by KPATHS
-/// (docs/INDIRECT.md).
+/// each other and themselves: clusters of diffusion, and sums. It is a quarter of the light in what
+/// was measured, and the noise of the paths is the same with and without (docs/INDIRECT.md).
 inline constexpr double kPathsTolerance = 2;
 
 /// Fills `indirect` of every body: light that reaches a sample after it was reflected, by opaque
