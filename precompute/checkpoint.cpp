@@ -20,7 +20,7 @@
 namespace tallow {
 namespace {
 
-constexpr std::string_view kMagic = "TALLOWP2";
+constexpr std::string_view kMagic = "TALLOWP3";
 
 struct RecordHeader {
     std::uint32_t kind, body;

@@ -20,9 +20,10 @@ namespace tallow {
 /// were computed, so that the result is the same as of a run that was never interrupted.
 ///
 ///     file      header | record ...
-///     header    "TALLOWP2", u64 length, the fingerprint's text, u64 its XXH3
+///     header    "TALLOWP3", u64 length, the fingerprint's text, u64 its XXH3
 ///     record    u32 kind, u32 body, u64 begin, u64 end, u64 groups, u64 XXH3 of all of it,
-///               then for each group E_t and w_i of samples [begin, end)
+///               then for each group E_t and w_i of [begin, end): of samples, or
+///               of patches of them for indirect light
 ///
 /// The first record that is damaged or cut short ends the file: what a crash left half-written is
 /// computed again.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/base/progress.h"
@@ -8,16 +9,23 @@
 #include "common/geometry/ray_scene.h"
 #include "common/scene/scene.h"
 #include "precompute/checkpoint.h"
+#include "precompute/gather_patches.h"
 #include "precompute/sampled_body.h"
 
 namespace tallow {
 
 struct IndirectOptions {
     int bounces;                                ///< >= 1
-    int rays;                                   ///< from each sample
+    int rays;                                   ///< from each sample, or patch of them
     float tolerance;                            ///< of the exitance that bodies shine with
     std::vector<std::optional<Rgb>> diffuse{};  ///< [object] bodies taken for diffuse surfaces
+    std::optional<PatchSize> patches{};         ///< without, every sample has rays of its own
 };
+
+/// How much coarser than the tolerance asks for the exitance may be of which bodies send light to
+/// each other and themselves: clusters of diffusion, and sums. It is a quarter of the light in what
+/// was measured, and the noise of the paths is the same with and without (docs/INDIRECT.md).
+inline constexpr double kPathsTolerance = 2;
 
 /// Fills `indirect` of every body: light that reaches a sample after it was reflected, by opaque
 /// surfaces or by bodies, this one included.
@@ -29,9 +37,10 @@ struct IndirectOptions {
 /// counted as often. In a path that meets a body after d diffuse reflections both add up: paths of
 /// up to 2 * bounces - 1 reflections are in part included.
 ///
-/// The rays of a sample are consecutive points of one low-discrepancy sequence for the whole body,
-/// in the order of the samples, so that neighbours in space are stratified together: exitance
-/// averages over them.
+/// Samples are gathered for together, in patches where light is smooth (GatherPatches). The rays of
+/// a patch are consecutive points of one low-discrepancy sequence for the whole body, in the order
+/// of the patches, so that neighbours in space are stratified together: exitance averages over
+/// them.
 ///
 /// Units    W/mm^2 per channel and light group; the groups' scales are not applied.
 /// Source   [JB02] section 3 leaves the irradiance to any global illumination method.

@@ -46,8 +46,8 @@ void declare(CommandLine& line, Arguments& a) {
                  "Times that light may be reflected before it reaches a sample; 0 leaves indirect "
                  "light out [default: the scene's, or 2 where anything reflects]");
     line.integer("--indirect-samples", a.indirect_samples, 1, 65536, "an integer in [1, 65536]",
-                 "Paths of indirect light from each sample [default: the scene's, or from the "
-                 "tolerance]");
+                 "Paths of indirect light from each sample [default: the scene's, or paths from "
+                 "patches of samples, by the tolerance]");
     line.flag("--plan", a.plan, "Print what would be computed, what is left out and why, and stop");
     line.flag("--everything", a.everything, "Compute also what the plan would leave out");
     line.flag("--resume", a.resume,

@@ -76,6 +76,7 @@ public:
     double estimate_error(const Solution& solution, Rgb strength = Rgb(1)) const;
 
     const SurfaceClusters& clusters() const { return fine_.clusters; }
+    const PatchTree& tree() const { return tree_; }
     std::array<bool, 3> solved() const { return solved_; }
     /// Of the operators.
     std::size_t memory_bytes() const;

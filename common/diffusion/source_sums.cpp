@@ -9,13 +9,13 @@
 #include "common/base/parallel.h"
 #include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/light_balance.h"
-#include "common/nbody/point_sum.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
 namespace {
 
-constexpr float kSumTolerance = 5e-3f;
+// Chosen: a half of what the size of clusters leaves (docs/BODY_AWARE.md).
+constexpr float kSumTolerance = 1e-2f;
 
 // Of the distance from a source in an infinite medium, mean free paths; well below the first depth.
 constexpr double kSoftening = 0.02;
@@ -26,6 +26,9 @@ constexpr double kSofteningInside = 0.15;
 // A sample that is as near as its own cell is wide does not act as a point: its cell is summed over
 // so many points instead.
 constexpr int kCellPoints = 32;
+
+// Farther away than so many areas of its cell (squared) it acts as a point: within 1 % of itself.
+constexpr float kFarFromCell = 9;
 
 // Mean cosine inside of ways on which light leaves.
 constexpr double kMeanCosine = 0.85;
@@ -86,12 +89,15 @@ double fluence_in_half_space(double r2, double t, double z, double alpha_prime,
     return alpha_prime * diffuse + k.D * std::exp(-near) / near2;
 }
 
+// Of the tables, an order below that of the sums: finer ones take longer to make than to use.
+constexpr double kTableError = 5e-4;
+
 double kappa_of(const ReducedChannel& reduced) {
     return diffusion_constants(reduced.absorption, reduced.eta).s;
 }
 
 KernelTable tabulate(const auto& kernel, double unit, double mfp, double range) {
-    return {kernel, mfp, unit, std::max(kernel(range * range) * 1e-2, 1e-30)};
+    return {kernel, mfp, unit, std::max(kernel(range * range) * 1e-2, 1e-30), kTableError};
 }
 
 KernelTable tabulate_infinite(const ChannelDiffusion& k, double unit, double mfp, double range) {
@@ -181,16 +187,37 @@ SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusi
       leaving_diffusion(tabulate_leaving_diffusion(reduced, unit, range)),
       on_its_way_out(tabulate_on_its_way_out(reduced, unit, range)) {}
 
+SourceSums::SourceSums(const EnteringLight& light, const SourceKernels& kernels,
+                       double mean_free_path, int c)
+    : light_(light),
+      kernels_(kernels),
+      mfp_(mean_free_path),
+      c_(c),
+      on_flights_(sources(kernels.in_infinite_medium, kernels.depths.weight.size(),
+                          [&](std::size_t i, std::size_t k) { return on_flight(i, k); })),
+      on_surface_(
+          sources(kernels.leaving, 1, [&](std::size_t i, std::size_t) { return on_surface(i); })) {}
+
+std::vector<double> SourceSums::on_flights(const KernelTable& kernel, std::span<const Vec3> places,
+                                           std::span<const std::int64_t> own_sample) const {
+    return sum({on_flights_, kernel}, places, own_sample, kernels_.depths.weight.size(),
+               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
+}
+
+std::vector<double> SourceSums::on_surface(const KernelTable& kernel, std::span<const Vec3> places,
+                                           std::span<const std::int64_t> own_sample) const {
+    return sum({on_surface_, kernel}, places, own_sample, 1,
+               [&](std::size_t i, std::size_t) { return on_surface(i); });
+}
+
 std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.in_infinite_medium, kernels_.depths.weight.size(),
-               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
+    return on_flights(kernels_.in_infinite_medium, places, own_sample);
 }
 
 std::vector<double> SourceSums::inside(std::span<const Vec3> points,
                                        std::span<const std::int64_t> own_sample) const {
-    return sum(points, own_sample, kernels_.inside, kernels_.depths.weight.size(),
-               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
+    return on_flights(kernels_.inside, points, own_sample);
 }
 
 std::vector<double> SourceSums::on_its_way_out(std::span<const Vec3> places,
@@ -198,27 +225,22 @@ std::vector<double> SourceSums::on_its_way_out(std::span<const Vec3> places,
     std::vector<Vec3> above(places.size());
     for (std::size_t i = 0; i < above.size(); ++i)
         above[i] = places[i] + float(LightBalance::kAbove * mfp_) * normals[i];
-    return sum(above, std::vector<std::int64_t>(above.size(), -1), kernels_.on_its_way,
-               kernels_.depths.weight.size(),
-               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
+    return on_flights(kernels_.on_its_way, above, std::vector<std::int64_t>(above.size(), -1));
 }
 
 std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.leaving, 1,
-               [&](std::size_t i, std::size_t) { return on_surface(i); });
+    return on_surface(kernels_.leaving, places, own_sample);
 }
 
 std::vector<double> SourceSums::diffusion_leaving_half_space(
     std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.leaving_diffusion, 1,
-               [&](std::size_t i, std::size_t) { return on_surface(i); });
+    return on_surface(kernels_.leaving_diffusion, places, own_sample);
 }
 
 std::vector<double> SourceSums::on_its_way_out_of_half_space(
     std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const {
-    return sum(places, own_sample, kernels_.on_its_way_out, 1,
-               [&](std::size_t i, std::size_t) { return on_surface(i); });
+    return on_surface(kernels_.on_its_way_out, places, own_sample);
 }
 
 SourceSums::Source SourceSums::on_flight(std::size_t i, std::size_t depth) const {
@@ -236,13 +258,11 @@ SourceSums::Source SourceSums::on_surface(std::size_t i) const {
     return {float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
 }
 
-// [place] sum of the flux of samples times kernel, each sample acting at `sources` points
-// as source(sample, k) says. All are points of one tree: from afar they act together.
+// Of the flux of samples, each of which acts at `sources` points as source(sample, k) says. All are
+// points of one tree: from afar they act together.
 template <class SourceOf>
-std::vector<double> SourceSums::sum(std::span<const Vec3> places,
-                                    std::span<const std::int64_t> own_sample,
-                                    const KernelTable& kernel, std::size_t sources,
-                                    const SourceOf& source) const {
+PointSum SourceSums::sources(const KernelTable& kernel, std::size_t sources,
+                             const SourceOf& source) const {
     const std::size_t n = light_.area.size();
     std::vector<Vec3> positions(sources * n);
     std::vector<float> flux(sources * n);
@@ -256,14 +276,21 @@ std::vector<double> SourceSums::sum(std::span<const Vec3> places,
     std::vector<OctreeNode> nodes(light_.nodes.begin(), light_.nodes.end());
     for (OctreeNode& node : nodes)
         node.first *= std::uint32_t(sources), node.count *= std::uint32_t(sources);
-    const PointSum point_sum(positions, flux, nodes, kernel);
+    return {positions, flux, nodes, kernel};
+}
+
+// [place] of the sum, with cells in the place of samples that are near.
+template <class SourceOf>
+std::vector<double> SourceSums::sum(const PointSum& point_sum, std::span<const Vec3> places,
+                                    std::span<const std::int64_t> own_sample, std::size_t sources,
+                                    const SourceOf& source) const {
     std::vector<float> sums(places.size()), evaluations(places.size());
     point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
     std::vector<double> result(sums.size());
     parallel_for(result.size(), 64, [&](std::size_t i) {
         const double own = own_sample[i] < 0 ? 0
                                              : own_cell(places[i], std::size_t(own_sample[i]),
-                                                        kernel, sources, source);
+                                                        point_sum.kernel(), sources, source);
         // Where samples are far apart, what is taken off for the own cell is rounding at best.
         result[i] = kernels_.factor * std::max(0.0, double(sums[i]) + own);
     });
@@ -280,6 +307,7 @@ double SourceSums::own_cell(Vec3 place, std::size_t sample, const KernelTable& k
     for (std::size_t p = 0; p < sources; ++p) {
         const Source at = source(sample, p);
         const Vec3 d = to_sample + at.offset;
+        if (length2(d) > kFarFromCell * light_.area[sample]) continue;
         double mean = 0;
         for (int k = 0; k < kCellPoints; ++k)
             mean += double(kernel(length2(d + cell.point(k)))) / kCellPoints;

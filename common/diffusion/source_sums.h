@@ -8,7 +8,7 @@
 #include "common/cloud/point_octree.h"
 #include "common/diffusion/boundary_sum.h"
 #include "common/diffusion/flight.h"
-#include "common/nbody/kernel_table.h"
+#include "common/nbody/point_sum.h"
 #include "common/optics/diffusion.h"
 
 namespace tallow {
@@ -52,8 +52,7 @@ struct SourceKernels {
 class SourceSums {
 public:
     SourceSums(const EnteringLight& light, const SourceKernels& kernels, double mean_free_path,
-               int c)
-        : light_(light), kernels_(kernels), mfp_(mean_free_path), c_(c) {}
+               int c);
 
     /// S: diffuse fluence that the sources would have in an infinite medium, at places of the
     /// surface. `own_sample` [place] is the sample in the light that the place is of, or -1.
@@ -91,9 +90,15 @@ private:
     };
     Source on_flight(std::size_t i, std::size_t depth) const;
     Source on_surface(std::size_t i) const;
+    std::vector<double> on_flights(const KernelTable& kernel, std::span<const Vec3> places,
+                                   std::span<const std::int64_t> own_sample) const;
+    std::vector<double> on_surface(const KernelTable& kernel, std::span<const Vec3> places,
+                                   std::span<const std::int64_t> own_sample) const;
     template <class SourceOf>
-    std::vector<double> sum(std::span<const Vec3> places, std::span<const std::int64_t> own_sample,
-                            const KernelTable& kernel, std::size_t sources,
+    PointSum sources(const KernelTable& kernel, std::size_t sources, const SourceOf& source) const;
+    template <class SourceOf>
+    std::vector<double> sum(const PointSum& point_sum, std::span<const Vec3> places,
+                            std::span<const std::int64_t> own_sample, std::size_t sources,
                             const SourceOf& source) const;
     template <class SourceOf>
     double own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel, std::size_t sources,
@@ -103,6 +108,7 @@ private:
     const SourceKernels& kernels_;
     double mfp_;
     int c_;
+    PointSum on_flights_, on_surface_;
 };
 
 }  // namespace tallow

@@ -62,6 +62,8 @@ public:
 
     /// Clusters on which diffusion is solved; 0 if it is not.
     std::size_t clusters() const { return diffusion_ ? diffusion_->clusters().count() : 0; }
+    /// The tree that the clusters are cut from, of all samples; null without clusters.
+    const PatchTree* tree() const { return diffusion_ ? &diffusion_->tree() : nullptr; }
     std::size_t memory_bytes() const { return diffusion_ ? diffusion_->memory_bytes() : 0; }
 
     /// Diffusion of some light. Solutions of several lights may be added. Empty if there are no

@@ -67,7 +67,8 @@ struct CubicInCosine {
 
 double KernelTable::unit_near(double length) { return std::exp2(std::floor(std::log2(length))); }
 
-KernelTable::KernelTable(const Function& kernel, double scale, double unit, double negligible)
+KernelTable::KernelTable(const Function& kernel, double scale, double unit, double negligible,
+                         double wanted_error)
     : unit_(unit), to_units_(float(1 / (unit * unit))) {
     const double area = unit * unit;
     const Function in_units = [&](double u) { return area * kernel(u * area); };
@@ -77,7 +78,7 @@ KernelTable::KernelTable(const Function& kernel, double scale, double unit, doub
     for (;;) {
         build(in_units, exponent, bits, end);
         measure(in_units);
-        if (relative_error_ <= kWantedError) break;
+        if (relative_error_ <= wanted_error) break;
         const bool near_centre = start_of(worst_segment_) < 2 * double(offset_);
         const bool inwards = near_centre && exponent > scale_exponent + kSmallestOffset;
         const std::size_t grown =

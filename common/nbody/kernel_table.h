@@ -48,9 +48,10 @@ public:
 
     /// `kernel` maps r^2 in mm^2 to 1/mm^2 and is smooth. `scale` [mm] is the distance over which
     /// it varies, `unit` [mm] the power of two to compute in. K is taken for 0 where |K| stays
-    /// below `negligible` [1/mm^2]; towards there it is faded out over the last octave.
+    /// below `negligible` [1/mm^2]; towards there it is faded out over the last octave. Segments
+    /// are refined until the relative error is at most `wanted_error`.
     KernelTable(const std::function<double(double)>& kernel, double scale, double unit,
-                double negligible);
+                double negligible, double wanted_error = kWantedError);
 
     float operator()(float r2) const {
         const auto [s, x] = place(r2 * to_units_);

@@ -49,13 +49,19 @@ constexpr double kTableMargin = 1.5;  // the table's error is measured at places
 PointSum::PointSum(std::span<const Vec3> positions, std::span<const float> weights,
                    std::span<const OctreeNode> nodes, KernelTable kernel)
     : kernel_(std::move(kernel)),
-      tree_(positions, weights, nodes, kernel_.unit()),
+      tree_(std::make_shared<SumTree>(positions, weights, nodes, kernel_.unit())),
       functions_(group_sum_functions()),
-      scale_(tree_.weight_scale() / (kernel_.unit() * kernel_.unit())) {}
+      scale_(tree_->weight_scale() / (kernel_.unit() * kernel_.unit())) {}
+
+PointSum::PointSum(const PointSum& sum, KernelTable kernel)
+    : kernel_(std::move(kernel)), tree_(sum.tree_), functions_(sum.functions_), scale_(sum.scale_) {
+    TALLOW_CHECK(kernel_.unit() == sum.kernel_.unit(), "units {} and {}", kernel_.unit(),
+                 sum.kernel_.unit());
+}
 
 GroupSumInput PointSum::input(const TargetGroups& targets, std::size_t group) const {
     const TargetGroups::Group& g = targets.groups()[group];
-    return {tree_.blocks().data(), tree_.points().data(), kernel_.view(),
+    return {tree_->blocks().data(), tree_->points().data(), kernel_.view(),
             targets.packets().data() + g.first_packet, g};
 }
 
@@ -89,7 +95,7 @@ void PointSum::put(const TargetGroups& targets, std::size_t group, const GroupSu
 void PointSum::evaluate(const TargetGroups& targets, float tolerance, const Output& output) const {
     TALLOW_CHECK(targets.unit() == kernel_.unit(), "units {} and {}", targets.unit(),
                  kernel_.unit());
-    if (tree_.blocks().empty()) {
+    if (tree_->blocks().empty()) {
         std::fill(output.sum.begin(), output.sum.end(), 0.0f);
         std::fill(output.evaluations.begin(), output.evaluations.end(), 0.0f);
         return;
@@ -122,7 +128,7 @@ void PointSum::evaluate(const TargetGroups& targets, float tolerance, const Outp
 // the sum and the bound to float.
 double PointSum::with_table_error(double sum, double bound) const {
     const double table = kernel_.max_relative_error() * (std::abs(sum) + bound) +
-                         kernel_.max_error_beyond() * tree_.total_weight();
+                         kernel_.max_error_beyond() * tree_->total_weight();
     return (1 + 0x1p-22) * (bound + kTableMargin * table + 0x1p-23 * std::abs(sum));
 }
 
@@ -131,7 +137,7 @@ PointSum::Certification PointSum::certify(const TargetGroups& targets, float tol
     TALLOW_CHECK(targets.unit() == kernel_.unit(), "units {} and {}", targets.unit(),
                  kernel_.unit());
     TALLOW_CHECK(output.bound.size() == output.sum.size(), "{} bounds", output.bound.size());
-    if (tree_.blocks().empty()) {
+    if (tree_->blocks().empty()) {
         for (const std::span<float> values : {output.sum, output.evaluations, output.bound})
             std::fill(values.begin(), values.end(), 0.0f);
         return {};
@@ -198,7 +204,7 @@ std::size_t PointSum::sum_plainly(const TargetGroups& targets, std::size_t group
             const Plain result = plain(packet.x[i], packet.y[i], packet.z[i]);
             const double bound = with_table_error(result.sum, result.bound);
             output.sum[target] = float(result.sum);
-            output.evaluations[target] = float(tree_.points().size());
+            output.evaluations[target] = float(tree_->points().size());
             output.bound[target] = float(bound);
             uncertified +=
                 !(output.bound[target] <= tolerance * (output.sum[target] - output.bound[target]));
@@ -211,7 +217,7 @@ std::size_t PointSum::sum_plainly(const TargetGroups& targets, std::size_t group
 PointSum::Plain PointSum::plain(float x, float y, float z) const {
     const float offset = kernel_.view().offset;
     double sum = 0, rounding = 0;
-    for (const SumTree::Point& p : tree_.points()) {
+    for (const SumTree::Point& p : tree_->points()) {
         const float dx = x - p.x, dy = y - p.y, dz = z - p.z;
         const float u = dx * dx + dy * dy + dz * dz, v = u + offset;
         const auto [s, t] = kernel_.place(u);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "common/nbody/group_sum.h"
@@ -39,6 +40,8 @@ public:
     /// positions[] in mm and weights[] in the order that `nodes` refers to.
     PointSum(std::span<const Vec3> positions, std::span<const float> weights,
              std::span<const OctreeNode> nodes, KernelTable kernel);
+    /// Sums over the same points, with another kernel of the same unit.
+    PointSum(const PointSum& sum, KernelTable kernel);
 
     /// Sums whose measured relative error stays below `tolerance`, in (0, 1): the root mean square
     /// over all targets, over their mean. Not a bound, and measured for kernels that fall; a kernel
@@ -52,7 +55,7 @@ public:
     Certification certify(const TargetGroups& targets, float tolerance, const Output& output) const;
 
     const KernelTable& kernel() const { return kernel_; }
-    const SumTree& tree() const { return tree_; }
+    const SumTree& tree() const { return *tree_; }
     /// The instruction set to use, for tests and benchmarks; the machine's best otherwise.
     void use(const GroupSumFunctions& functions) { functions_ = functions; }
 
@@ -78,7 +81,7 @@ private:
     double with_table_error(double sum, double bound) const;
 
     KernelTable kernel_;
-    SumTree tree_;
+    std::shared_ptr<const SumTree> tree_;
     GroupSumFunctions functions_;
     double scale_;  // from the units of the tree to 1/mm^2 and the weights' unit
 };

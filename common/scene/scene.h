@@ -126,7 +126,7 @@ struct Settings {
     /// Times that light may be reflected, by whatever surface, before it reaches a sample; without
     /// a number as indirect_bounces() says.
     std::optional<int> bounces;
-    /// Paths of indirect light from each sample; without a number, from the tolerance.
+    /// Paths of indirect light from each sample; without a number, from patches, by the tolerance.
     std::optional<int> indirect_samples;
     /// Depths a pixel at which light scattered once is collected; without a number, from the
     /// tolerance.
