@@ -204,7 +204,7 @@ private:
     // Whether refracted paths take long. A place takes some 2 us along a straight line; along
     // refracted paths from a quad 3 us on the bunny in marble (115 triangles in reach) and 9 us in
     // skin1 (930), and on the interpolated normals of scenes/demo.yaml 7 us for each lamp. The
-    // limit is chosen so that pass two takes at most half as long again on the standard cases.
+    // limits are chosen: what pass two then takes is in docs/PLAN.md.
     bool is_costly(const SubsurfaceMaterial& material) const {
         constexpr double kFewInReach = 200;
         constexpr std::size_t kFewTriangles = 1000;
