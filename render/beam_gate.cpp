@@ -132,6 +132,7 @@ BeamQueries::BeamQueries(double eta)
     constexpr double kOfAngle = 1.15;   // largest angle / sine, for angles below 48 degrees
     constexpr double kLeastCos = 1e-3;  // without refraction there is no bound
     const double cos_c = std::sqrt(std::max(0.0, 1 - 1 / (eta * eta)));
+    longest_half = float(std::sqrt(std::max(0.0, eta * eta - 1)));
     turn = float(kOfAngle / std::max(cos_c, kLeastCos));
     reach.fill(-1);
 }

@@ -21,6 +21,7 @@ struct BeamQueries {
     std::array<float, kMost> nearness;  // 1 / distance of the light, 1/mm; 0 at infinity
     float inverse_eta;                  // outside / inside
     float turn;                         // see BeamGate
+    float longest_half;                 // sqrt(eta^2 - 1), see RefractionCull
 
     /// `eta` inside / outside; no queries yet.
     explicit BeamQueries(double eta);

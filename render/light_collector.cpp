@@ -11,6 +11,7 @@
 #include "common/base/rng.h"
 #include "common/optics/fresnel.h"
 #include "common/optics/phase.h"
+#include "render/entry_directions.h"
 #include "render/inner_light.h"
 
 namespace tallow {
@@ -58,12 +59,24 @@ void LightCollector::add(std::span<const Place> places) {
     for (std::size_t light = 0; light < body_.scene.lights.size(); ++light) {
         scale_ = body_.scene.groups[body_.scene.lights[light].group].scale;
         if (max_channel(scale_) == 0) continue;
-        if (body_.exact != nullptr)
+        if (body_.exact == nullptr)
+            add_straight_lines(places, light);
+        else if (!is_drawn(body_.scene.lights[light]))
             add_refracted_paths(places, light);
         else
-            add_straight_lines(places, light);
+            for (std::size_t first = 0; first < places.size(); first += kBatch)
+                add_entering_rays(places.subspan(first, std::min(kBatch, places.size() - first)),
+                                  light);
     }
     if (body_.inner != nullptr) add_inner_light(places);
+}
+
+bool LightCollector::is_drawn(const Light& light) const {
+    if (!body_.exact->is_searched()) return false;
+    const auto* sky = std::get_if<EnvironmentLight>(&light.shape);
+    const bool even_sky = sky != nullptr && !sky->image;
+    return body_.lamps == LampPaths::drawn ? !is_delta(light)
+                                           : body_.lamps == LampPaths::sky_drawn && even_sky;
 }
 
 Vec2 LightCollector::light_sample(const Place& place, std::size_t light) const {
@@ -109,6 +122,96 @@ bool LightCollector::enter(Arriving& light, const ShadowRay& inside, const Hit& 
                       surface_tint(body_.scene, body_.albedo, exit);
     outside = {body_.rays.offset_origin(exit.position, exit.n_g, inside.direction),
                inside.direction, light.distance - exit.t};
+    return true;
+}
+
+void LightCollector::add_entering_rays(std::span<const Place> places, std::size_t light_index) {
+    const Light& lamp = body_.scene.lights[light_index];
+    const auto ball = bounding_ball(lamp);
+    if (ball) follow_straight_lines(places, light_index, *ball);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        EntryDirections directions(lamp, ball, places[k].x, body_.medium.eta);
+        add_normals(places[k], ball, ball ? exit_[k] : std::nullopt, directions);
+        if (directions.empty()) continue;
+        const auto w = directions.draw(light_sample(places[k], light_index));
+        if (!w) continue;
+        inside_[count] = {places[k].x, *w, kInfinity};
+        arriving_[count++] = {&places[k], Rgb(1 / directions.density(*w)), 0};
+    }
+    body_.rays.intersect_object({inside_.data(), count}, body_.object, {exit_.data(), count});
+    std::size_t leaving = 0;
+    for (std::size_t k = 0; k < count; ++k)
+        if (exit_[k] && bend_outwards(arriving_[k], inside_[k], *exit_[k], lamp, outside_[leaving]))
+            arriving_[leaving++] = arriving_[k];
+    body_.rays.occluded({outside_.data(), leaving}, {occluded_.data(), leaving});
+    for (std::size_t k = 0; k < leaving; ++k)
+        if (!occluded_[k]) add(*arriving_[k].place, arriving_[k].radiance);
+}
+
+// Where straight lines from places to a lamp leave the body: normals there bend its light.
+void LightCollector::follow_straight_lines(std::span<const Place> places, std::size_t light_index,
+                                           const LightBall& ball) {
+    const Light& lamp = body_.scene.lights[light_index];
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const Place& place = places[k];
+        const Vec2 u = sobol_2d(place.index, points_[place.point].seed + 0x9170 + light_index);
+        const auto sample = sample_light(lamp, place.x, std::nullopt, u);
+        const Vec3 w = sample ? sample->w_i : glm::normalize(ball.center - place.x);
+        inside_[k] = {place.x, w, reach_};
+    }
+    body_.rays.intersect_object({inside_.data(), places.size()}, body_.object,
+                                {exit_.data(), places.size()});
+}
+
+// The normal where the eye looks into the body and that where a straight line leaves it, each with
+// what it would bring if the surface were a plane there.
+void LightCollector::add_normals(const Place& place, const std::optional<LightBall>& ball,
+                                 const std::optional<Hit>& exit,
+                                 EntryDirections& directions) const {
+    const Hit& seen = points_[place.point].hit;
+    const Vec3 to_lamp = ball ? glm::normalize(ball->center - place.x) : seen.n;
+    const auto likely = [&](Vec3 n, float depth) {
+        constexpr float kLeastCos = 0.02f;
+        const float cosine = std::max(kLeastCos, glm::dot(to_lamp, n));
+        const float inside = refracted_cosine(body_.medium.eta, cosine);
+        return fresnel_transmittance(body_.medium.eta, cosine) * cosine / inside *
+               mean(place.weight * exp(-std::max(0.0f, depth) / inside * sigma_t_));
+    };
+    constexpr float kBeyondHorizon = -0.2f;  // parts of the surface near it may see the lamp
+    float here = 0, there = 0;
+    if (glm::dot(to_lamp, seen.n) > kBeyondHorizon)
+        here = likely(seen.n, glm::dot(seen.position - place.x, seen.n_g));
+    if (exit) there = likely(exit->n, glm::dot(exit->position - place.x, exit->n_g));
+    constexpr float kLeastChance = 0.1f;
+    const float least = kLeastChance * (here + there);
+    if (here > 0) directions.add(seen.n, std::max(here, least));
+    if (there > 0) directions.add(exit->n, std::max(there, least));
+}
+
+// Follows a ray from a place to what it sees outside: `outside` is what shadows may fall on. False
+// if it does not see the lamp.
+bool LightCollector::bend_outwards(Arriving& light, const ShadowRay& inside, const Hit& exit,
+                                   const Light& lamp, ShadowRay& outside) const {
+    const float eta = body_.medium.eta;
+    const float cos_d = glm::dot(inside.direction, exit.n);
+    const float cos_dg = glm::dot(inside.direction, exit.n_g);
+    if (cos_d <= 0 || cos_dg <= 0 || !admits_light(exit.position)) return false;
+    const auto w = refract_outwards(inside.direction, exit.n, eta);
+    if (!w) return false;
+    const float cos_w = glm::dot(*w, exit.n), cos_wg = glm::dot(*w, exit.n_g);
+    if (cos_w <= 0 || cos_wg <= 0) return false;
+    outside = {body_.rays.offset_origin(exit.position, exit.n_g, *w), *w, kInfinity};
+    const auto seen = see_light(lamp, {outside.origin, *w});
+    if (!seen || max_channel(seen->radiance) == 0) return false;
+    outside.length = seen->t;
+    // Interpolated normals bend a beam by other angles than those under which it meets the surface.
+    const float beam = cos_wg * cos_d / (cos_dg * cos_w);
+    const float phase =
+        henyey_greenstein(body_.medium.g, glm::dot(inside.direction, light.place->w_inside));
+    light.radiance *= phase * eta * eta * fresnel_transmittance(eta, cos_w) * beam *
+                      seen->radiance * exp(-exit.t * sigma_t_) *
+                      surface_tint(body_.scene, body_.albedo, exit);
     return true;
 }
 

@@ -10,6 +10,8 @@
 
 namespace tallow {
 
+class EntryDirections;
+
 /// A place inside where light is scattered towards the eye.
 struct Place {
     std::size_t point;    // of the eye ray that it lies on
@@ -51,6 +53,14 @@ private:
 
     void add_straight_lines(std::span<const Place> places, std::size_t light);
     bool enter(Arriving& light, const ShadowRay& inside, const Hit& exit, ShadowRay& outside) const;
+    bool is_drawn(const Light& light) const;
+    void add_entering_rays(std::span<const Place> places, std::size_t light_index);
+    void follow_straight_lines(std::span<const Place> places, std::size_t light_index,
+                               const LightBall& ball);
+    void add_normals(const Place& place, const std::optional<LightBall>& ball,
+                     const std::optional<Hit>& exit, EntryDirections& directions) const;
+    bool bend_outwards(Arriving& light, const ShadowRay& inside, const Hit& exit, const Light& lamp,
+                       ShadowRay& outside) const;
     void add_refracted_paths(std::span<const Place> places, std::size_t light_index);
     void add_path(const Place& place, std::size_t light_index, const LightPoint& y,
                   const RefractedPath& path);

@@ -24,10 +24,14 @@ double single_scattering_share(Model model, const Medium& medium) {
     return total > 0 ? std::sqrt(squares) / total : 0;
 }
 
-MarchNoise march_noise(Connection connection, const Surface& surface) {
+MarchNoise march_noise(Connection connection, const Surface& surface, double tolerance) {
     constexpr int kMost = 1024;  // chosen: beyond, lights have to be sampled better
     if (connection == Connection::straight) return {1.25, 0.9, kMost};
-    if (std::holds_alternative<TriangleMesh>(surface)) return {1.1, 0.55, 128};
+    if (std::holds_alternative<TriangleMesh>(surface)) {
+        constexpr double kMostAtOnePercent = 128;
+        const double most = kMostAtOnePercent * 0.01 / std::max(tolerance, 1e-4);
+        return {1.1, 0.55, std::clamp(int(most), 8, kMost)};
+    }
     return {2.1, 0.9, kMost};
 }
 
@@ -45,7 +49,7 @@ int march_steps_of_pixel(const SubsurfaceMaterial& material, const Surface& surf
     return settings.single_scattering_depths
                ? *settings.single_scattering_depths
                : march_steps_of_pixel(material.model, material.medium, tolerance,
-                                      march_noise(material.connection, surface));
+                                      march_noise(material.connection, surface, tolerance));
 }
 
 }  // namespace tallow

@@ -46,10 +46,11 @@ struct MarchNoise {
 ///          Straight lines on the bunny in marble, 1.25 depths^-0.9: 0.69 at 2 depths, 0.19 at 8,
 ///          0.031 at 64; under the sky 1.5 times that. Behind flat triangles places have no path
 ///          to a point of a lamp, or several: noise falls slowly there, and on the armadillo it is
-///          1.9 depths^-0.53. The most depths of a mesh are 128, or media that scatter much once
-///          would take minutes: at a tolerance of 1 % the noise of skim milk is then up to 1.5 % of
-///          the whole, that of skin and of the dim medium 3 %.
-MarchNoise march_noise(Connection connection, const Surface& surface);
+///          1.9 depths^-0.53. The most depths of a mesh are 128 at a tolerance of 1 %, inversely
+///          to it below up to 1024, or media that scatter much once would take minutes: at 1 % the
+///          noise of skim milk is then up to 1.5 % of the whole, that of skin and of the dim medium
+///          3 %.
+MarchNoise march_noise(Connection connection, const Surface& surface, double tolerance);
 
 /// Depths for each pixel, shared by its camera rays, so that the noise of single scattering stays
 /// within the tolerance of the whole radiance, as that of shadow rays does: the smallest power of

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
+#include "common/exitance/scene_plan.h"
 #include "common/lighting/flights.h"
 #include "render/march_steps.h"
 
@@ -172,9 +173,12 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, std::optional<Pre
                       march_steps_of_pixel(material, geometry_.surfaces[view.object],
                                            scene_.settings, accuracy_.tolerance),
                       std::nullopt,
-                      std::nullopt};
+                      std::nullopt,
+                      LampPaths::sky_drawn};
     if (material.single_scattering == Switch::off || material.connection == Connection::straight)
         return body;
+    if (triangles_in_reach(geometry_.surfaces[view.object], material.medium) > kMostInReach)
+        body.lamps = LampPaths::drawn;
     if (before && before->connections)
         body.connections.emplace(std::move(*before->connections));  // eta belongs to the cache
     else

@@ -45,6 +45,7 @@ struct PreparedBody {
     int march_steps;                                  // of a pixel; see march_steps_of_pixel()
     std::optional<RefractedConnections> connections;  // where single scattering is to be exact
     std::optional<InnerLight> inner;                  // where it matters to single scattering
+    LampPaths lamps = LampPaths::sky_drawn;
 };
 
 /// What every picture of a scene has in common, whatever its camera: the ray tracer's hierarchy,

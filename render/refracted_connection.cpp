@@ -9,6 +9,7 @@
 
 #include "common/base/overloaded.h"
 #include "common/cloud/morton.h"
+#include "render/patch_gate.h"
 #include "render/plane_of_incidence.h"
 #include "render/refracting_face.h"
 
@@ -120,8 +121,7 @@ public:
         find_on_flat_triangle(mesh_, triangle, ends_, patches_);
     }
     void try_smooth(std::uint32_t triangle, const PatchBound& bound) {
-        if (cull_.may_refract(bound))
-            find_on_face(SmoothTriangle(mesh_, triangle), ends_, cull_, patches_);
+        find_on_face(SmoothTriangle(mesh_, triangle), bound, ends_, cull_, patches_);
     }
 
     std::vector<Solution> solutions() const {
@@ -267,12 +267,16 @@ void RefractedConnections::find_together(const TriangleMesh& mesh,
     const auto visit = [&](const RefractionCull& cull) {
         tree_->visit(cull, [&](std::size_t place) {
             const std::uint32_t triangle = tree_->order()[place];
-            if (gates_.empty())
-                for (MeshSearch& search : searches) search.try_smooth(triangle, bounds_[place]);
-            else
-                for (std::uint32_t held = gates_[place].may_hold(beams); held != 0;
-                     held &= held - 1)
-                    searches[std::size_t(std::countr_zero(held))].try_flat(triangle);
+            const bool smooth = gates_.empty();
+            std::uint32_t left =
+                smooth ? may_refract(bounds_[place], beams) : gates_[place].may_hold(beams);
+            for (; left != 0; left &= left - 1) {
+                MeshSearch& search = searches[std::size_t(std::countr_zero(left))];
+                if (smooth)
+                    search.try_smooth(triangle, bounds_[place]);
+                else
+                    search.try_flat(triangle);
+            }
         });
     };
     if (group.size() == 1) {

@@ -15,6 +15,7 @@ constexpr double kEdge = 1e-7;       // a face ends so far beyond its edge, in u
 constexpr double kConverged = 1e-9;  // last step, relative to the distance of x
 constexpr double kSame = 1e-6;       // points closer than this, likewise, are one
 constexpr int kIterations = 12;      // 3 to 5 are usual; more only near caustics
+constexpr double kTooFar = 1;        // chosen: a first step that leads so far beyond ends a search
 constexpr float kPad = 1e-5f;        // rounding of bounds to float, relative
 
 /// A vector divided by its length, with its derivatives.
@@ -49,7 +50,10 @@ public:
 
     void search(const Corners& c, int splits) {
         const PatchBound bound = face_.bound(c);
-        if (!cull_.may_refract(bound)) return;
+        if (cull_.may_refract(bound)) search_within(bound, c, splits);
+    }
+
+    void search_within(const PatchBound& bound, const Corners& c, int splits) {
         const glm::dvec2 middle = (c[0] + c[1] + c[2]) / 3.0;
         if (splits == 0 || cull_.is_small(bound)) return start(middle);
         if (RefractionCull::is_flat(bound)) return start(as_if_flat(middle));
@@ -83,6 +87,7 @@ private:
         for (int i = 0; i < kIterations; ++i) {
             const glm::dvec2 step = -(glm::inverse(error.df) * error.f);
             if (!(std::abs(step.x) + std::abs(step.y) < 1e6)) return std::nullopt;
+            if (i == 0 && !inside(uv + step, kTooFar)) return std::nullopt;
             if (!damped_step(uv, step, patch, error)) return std::nullopt;
             const double moved = glm::length(step.x * patch.dp[0] + step.y * patch.dp[1]);
             if (moved <= kConverged * glm::length(ends_.x - patch.p))
@@ -195,9 +200,9 @@ void add_once(const Ends& ends, const Patch& patch, std::vector<Patch>& found) {
 }
 
 // Splits: a triangle of a mesh is small already, unless x is near; an octant is not.
-void find_on_face(const SmoothTriangle& face, const Ends& ends, const RefractionCull& cull,
-                  std::vector<Patch>& found) {
-    FaceSearch(face, ends, cull, found).search(kWholeFace, 4);
+void find_on_face(const SmoothTriangle& face, const PatchBound& bound, const Ends& ends,
+                  const RefractionCull& cull, std::vector<Patch>& found) {
+    FaceSearch(face, ends, cull, found).search_within(bound, kWholeFace, 4);
 }
 void find_on_face(const EllipsoidOctant& face, const Ends& ends, const RefractionCull& cull,
                   std::vector<Patch>& found) {

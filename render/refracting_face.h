@@ -43,8 +43,9 @@ private:
 
 /// Appends all points of a face where light from y is refracted to x, each once: Newton's method
 /// from the middle of every small part that `cull` lets pass. Only the normal's sides are checked.
-void find_on_face(const SmoothTriangle& face, const Ends& ends, const RefractionCull& cull,
-                  std::vector<Patch>& found);
+/// A triangle's `bound` is that of the whole face and has been let pass.
+void find_on_face(const SmoothTriangle& face, const PatchBound& bound, const Ends& ends,
+                  const RefractionCull& cull, std::vector<Patch>& found);
 void find_on_face(const EllipsoidOctant& face, const Ends& ends, const RefractionCull& cull,
                   std::vector<Patch>& found);
 

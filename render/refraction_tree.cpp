@@ -9,8 +9,8 @@
 namespace tallow {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 2;
-constexpr float kPad = 1e-5f;  // rounding of positions and cosines, relative
+constexpr std::uint32_t kLeafTriangles = 4;  // chosen by time
+constexpr float kPad = 1e-5f;                // rounding of positions and cosines, relative
 
 struct Box {
     Vec3 low{kInfinity}, high{-kInfinity};

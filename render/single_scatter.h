@@ -13,6 +13,14 @@ namespace tallow {
 
 class InnerLight;
 
+/// How refracted paths into a mesh are found where a body has `exact`; delta lights are searched
+/// for always.
+enum class LampPaths {
+    searched,   ///< to points that are drawn on lights, by RefractedConnections
+    sky_drawn,  ///< likewise, but an even sky is met by rays from the places: see EntryDirections
+    drawn       ///< all by such rays
+};
+
 /// A body in which light is scattered. `surface` is that of `object`; `exact` and `inner`, if any,
 /// belong to the same surface.
 struct ScatteringBody {
@@ -24,6 +32,7 @@ struct ScatteringBody {
     const RefractedConnections* exact = nullptr;
     SurfaceColor albedo{Rgb(1)};
     const InnerLight* inner = nullptr;
+    LampPaths lamps = LampPaths::searched;
 };
 
 /// Where a body is seen, from outside: dot(hit.n, w_o) > 0. Points with the same seed have steps
@@ -62,6 +71,12 @@ inline MarchSteps lone_steps(int steps) { return {steps, steps}; }
 /// and followed along every path that Snell's law allows: a light of area A and radiance L, drawn
 /// at y, gives L A cos_y F_t(cos_i) |dOmega_y / dA_x| in place of L F_t cos_i / cos_i' dw_i. See
 /// RefractedConnections. Paths through meshes are searched up to a length that is drawn by chance.
+/// Where `lamps` says so, light is found by rays from the depths that are bent outwards instead,
+///
+///     eta^2 F_t(cos_i) L e^(-sigma_t s_i) / density(w)
+///
+/// the same in the mean with more noise; see EntryDirections.
+///
 /// With `inner` light is added that was reflected inside before it scatters. Where it focuses,
 /// noise is unbounded in principle (the density is the inverse root of the distance to a caustic);
 /// in pictures it is hardly seen.

@@ -77,7 +77,7 @@ void TileRenderer::add_single_scattering(std::uint32_t object) {
     std::vector<Rgb> L(points.size());
     single_scatter({view_.world.lit(), view_.world.rays(), view_.world.surface(object), object,
                     body.material->medium, body.connections ? &*body.connections : nullptr,
-                    body.material->albedo, body.inner ? &*body.inner : nullptr},
+                    body.material->albedo, body.inner ? &*body.inner : nullptr, body.lamps},
                    eyes, steps, L);
     for (std::size_t i = 0; i < points.size(); ++i) add(*points[i], &Pixel::single, L[i]);
 }

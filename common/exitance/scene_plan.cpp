@@ -187,28 +187,35 @@ private:
         const double allowed = kShareOfTolerance * tolerance_;
         const bool computed = everything() || bound > allowed || edges > allowed;
         material.single_scattering = computed ? Switch::on : Switch::off;
-        const bool costly = !everything() && is_fine_mesh(material);
+        const bool costly = !everything() && is_costly(material);
         if (costly) material.connection = Connection::straight;
         if (computed)
-            decide(subject, "single scattering", true, marched(material),
-                   everything()
-                       ? "everything is asked for"
-                       : fmt::format(
-                             "up to {:.2g} of the light; thin edges {:.2g} of the surface{}", bound,
-                             edges, costly ? "; refracted paths take long on fine meshes" : ""));
+            decide(
+                subject, "single scattering", true, marched(material),
+                everything()
+                    ? "everything is asked for"
+                    : fmt::format("up to {:.2g} of the light; thin edges {:.2g} of the surface{}",
+                                  bound, edges, costly ? "; refracted paths would take long" : ""));
         else
             decide(subject, "single scattering", false, "left to the profile",
                    "the phase function turns too little light back", std::max(bound, edges));
     }
 
-    // Refracted paths to a point take up to a hundred times as long as a straight line there
-    // (scenes/demo.yaml, 126k triangles); they are to be asked for.
-    bool is_fine_mesh(const SubsurfaceMaterial& material) const {
+    // Whether refracted paths take long. A place takes some 2 us along a straight line; along
+    // refracted paths from a quad 3 us on the bunny in marble (115 triangles in reach) and 9 us in
+    // skin1 (930), and on the interpolated normals of scenes/demo.yaml 7 us for each lamp. The
+    // limits are chosen: what pass two then takes is in docs/PLAN.md.
+    bool is_costly(const SubsurfaceMaterial& material) const {
+        constexpr double kFewInReach = 200;
         constexpr std::size_t kFewTriangles = 1000;
         for (std::size_t object = 0; object < scene().objects.size(); ++object) {
             if (subsurface(scene(), object) != &material) continue;
-            const auto* mesh = std::get_if<TriangleMesh>(&geometry_.surfaces[object]);
-            if (mesh != nullptr && mesh->triangles.size() > kFewTriangles) return true;
+            const Surface& surface = geometry_.surfaces[object];
+            const auto* mesh = std::get_if<TriangleMesh>(&surface);
+            if (mesh == nullptr || mesh->triangles.size() <= kFewTriangles) continue;
+            if (!mesh->corner_normals.empty() ||
+                triangles_in_reach(surface, material.medium) > kFewInReach)
+                return true;
         }
         return false;
     }
@@ -322,6 +329,16 @@ double single_scattering_bound(const SubsurfaceMaterial& material) {
         if (once > 0) bound = std::max(bound, total > 0 ? std::min(1.0, once / total) : 1.0);
     }
     return bound;
+}
+
+double triangles_in_reach(const Surface& surface, const Medium& medium) {
+    const auto* mesh = std::get_if<TriangleMesh>(&surface);
+    if (mesh == nullptr) return 0;
+    double area = 0;
+    for (std::size_t t = 0; t < mesh->triangles.size(); ++t) area += triangle_area(*mesh, t);
+    const double reach = 3 / double(min_channel(medium.sigma_t()));
+    const double all = double(mesh->triangles.size());
+    return std::min(all, all * std::numbers::pi * reach * reach / std::max(area, 1e-30));
 }
 
 ScenePlan plan_scene(const Scene& scene, const SceneGeometry& geometry, double tolerance) {

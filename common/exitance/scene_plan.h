@@ -39,4 +39,14 @@ ScenePlan plan_scene(const Scene& scene, const SceneGeometry& geometry, double t
 /// enters and leaves through the surface: at least pi - 2 asin(1 / eta).
 double single_scattering_bound(const SubsurfaceMaterial& material);
 
+/// Triangles of a mesh within three mean free paths of the clearest channel of a place in it, as if
+/// it were flat there and evenly meshed: what a search for refracted paths has to do with. 0 of
+/// other surfaces.
+double triangles_in_reach(const Surface& surface, const Medium& medium);
+
+/// Beyond, a search does not end in reasonable time: the elephant of 126k triangles in chicken1,
+/// 25,000, did not within 40 s of a processor for 16 depths a pixel at 128 x 128. The standard
+/// cases are below 1200.
+inline constexpr double kMostInReach = 10000;
+
 }  // namespace tallow

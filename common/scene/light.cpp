@@ -35,6 +35,39 @@ Sample sample_light(const Light& light, Vec3 x, std::optional<Vec3> n, Vec2 u) {
     return std::visit([&](const auto& l) { return sample(l, x, n, u); }, light.shape);
 }
 
+float light_density(const Light& light, Vec3 x, std::optional<Vec3> n, Vec3 w) {
+    return std::visit(Overloaded{[](const PointLight&) { return 0.0f; },
+                                 [](const DirectionalLight&) { return 0.0f; },
+                                 [](const SpotLight&) { return 0.0f; },
+                                 [&](const auto& l) { return density(l, x, n, w); }},
+                      light.shape);
+}
+
+std::optional<LightBall> bounding_ball(const Light& light) {
+    using Ball = std::optional<LightBall>;
+    return std::visit(
+        Overloaded{
+            [](const PointLight& l) {
+                return Ball({l.position, 0});
+            },
+            [](const SpotLight& l) {
+                return Ball({l.position, 0});
+            },
+            [](const DirectionalLight&) { return Ball(); },
+            [](const EnvironmentLight&) { return Ball(); },
+            [](const QuadLight& l) {
+                return Ball({l.center, 0.5f * glm::length(l.u + l.v)});
+            },
+            [](const MeshLight& l) {
+                const Box box = l.mesh->box();
+                return Ball({0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)});
+            },
+            [](const auto& l) {
+                return Ball({l.center, l.radius});
+            }},
+        light.shape);
+}
+
 LightPoint sample_light_point(const Light& light, Vec2 u) {
     return std::visit([&](const auto& l) { return sample_point(l, u); }, light.shape);
 }

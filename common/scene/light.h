@@ -104,6 +104,17 @@ bool is_delta(const Light& light);
 /// directions). `u` in [0, 1)^2; ignored by delta lights. Nothing if none can reach it.
 std::optional<LightSample> sample_light(const Light& light, Vec3 x, std::optional<Vec3> n, Vec2 u);
 
+/// Density over solid angle with which sample_light(light, x, n, u) draws the direction w; 0 of
+/// delta lights.
+float light_density(const Light& light, Vec3 x, std::optional<Vec3> n, Vec3 w);
+
+/// A ball that holds a light; nothing of one at infinity.
+struct LightBall {
+    Vec3 center;
+    float radius;  // mm
+};
+std::optional<LightBall> bounding_ball(const Light& light);
+
 /// Where light sets out, drawn without knowing a receiver: for light that is bent on its way.
 struct LightPoint {
     Vec3 position;    ///< mm; of a light at infinity the unit direction towards it

@@ -21,6 +21,9 @@ std::optional<float> cross_sphere(const SphereLight& sphere, const Ray& ray) {
     return float(t);
 }
 
+// 1 - cos of the half angle of a sphere, without cancellation for small and far ones.
+float one_minus_cos_of_rim(float sine) { return sine * sine / (1 + std::sqrt(1 - sine * sine)); }
+
 }  // namespace
 
 Sample from_area(Vec3 x, Vec3 p, Vec3 n_light, Rgb strength) {
@@ -30,6 +33,10 @@ Sample from_area(Vec3 x, Vec3 p, Vec3 n_light, Rgb strength) {
     if (cos_light <= 0) return std::nullopt;
     // pdf over solid angle = pdf over area * distance^2 / cos_light
     return LightSample{to->first, to->second, cos_light / (to->second * to->second) * strength};
+}
+
+float area_density(float area, float t, Vec3 w, Vec3 n_light) {
+    return t * t / (area * std::max(1e-6f, -glm::dot(w, n_light)));
 }
 
 Rgb cosine_intensity(const LightPoint& point, Vec3 w) {
@@ -55,6 +62,11 @@ Sample sample(const DiscLight& light, Vec3 x, const Normal&, Vec2 u) {
     return from_area(x, p.position, p.axis, p.strength);
 }
 
+float density(const DiscLight& light, Vec3 x, const Normal&, Vec3 w) {
+    const auto seen = see(light, {x, w});
+    return seen ? area_density(kPi * light.radius * light.radius, seen->t, w, light.normal) : 0;
+}
+
 Rgb intensity(const DiscLight&, const LightPoint& point, Vec3 w, float) {
     return cosine_intensity(point, w);
 }
@@ -71,8 +83,7 @@ Sample sample(const SphereLight& light, Vec3 x, const Normal&, Vec2 u) {
     const auto to_center = towards(x, light.center);
     if (!to_center || to_center->second <= light.radius) return std::nullopt;
     const float sin_max = light.radius / to_center->second;
-    // 1 - cos of the half angle, without cancellation for small and far spheres
-    const float one_minus_cos_max = sin_max * sin_max / (1 + std::sqrt(1 - sin_max * sin_max));
+    const float one_minus_cos_max = one_minus_cos_of_rim(sin_max);
     const float one_minus_cos = u.x * one_minus_cos_max;
     const float sine = std::sqrt(std::max(0.0f, one_minus_cos * (2 - one_minus_cos)));
     const float phi = kTwoPi * u.y;
@@ -89,6 +100,12 @@ LightPoint sample_point(const SphereLight& light, Vec2 u) {
     const Vec3 n = any_direction(u);
     return {light.center + light.radius * n, n,
             4 * kPi * light.radius * light.radius * light.radiance};
+}
+
+float density(const SphereLight& light, Vec3 x, const Normal&, Vec3 w) {
+    const auto to_center = towards(x, light.center);
+    if (!to_center || to_center->second <= light.radius || !cross_sphere(light, {x, w})) return 0;
+    return 1 / (kTwoPi * one_minus_cos_of_rim(light.radius / to_center->second));
 }
 
 Rgb intensity(const SphereLight&, const LightPoint& point, Vec3 w, float) {
@@ -113,6 +130,11 @@ Sample sample(const MeshLight& light, Vec3 x, const Normal&, Vec2 u) {
     return sample;
 }
 
+float density(const MeshLight& light, Vec3 x, const Normal&, Vec3 w) {
+    const auto crossing = light.mesh->cross({x, w});
+    return crossing ? area_density(light.mesh->area(), crossing->t, w, crossing->normal) : 0;
+}
+
 Rgb intensity(const MeshLight& light, const LightPoint& point, Vec3 w, float distance) {
     const Rgb I = cosine_intensity(point, w);
     if (max_channel(I) == 0 || light.mesh->hides({point.position, point.axis}, w, distance))
@@ -121,8 +143,8 @@ Rgb intensity(const MeshLight& light, const LightPoint& point, Vec3 w, float dis
 }
 
 std::optional<Emission> see(const MeshLight& light, const Ray& ray) {
-    const auto t = light.mesh->cross(ray);
-    return t ? std::optional(Emission{*t, light.radiance}) : std::nullopt;
+    const auto crossing = light.mesh->cross(ray);
+    return crossing ? std::optional(Emission{crossing->t, light.radiance}) : std::nullopt;
 }
 
 }  // namespace tallow

@@ -49,6 +49,16 @@ Vec3 cosine_direction(Vec3 n, Vec2 u) {
         make_frame(n).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
 }
 
+float even_density(const Normal& n, Vec3 w) {
+    return n ? std::max(0.0f, glm::dot(w, *n)) * kInvPi : 1 / (4 * kPi);
+}
+
+// Over solid angle: du dv = d omega / (2 pi^2 sine). At the poles themselves nothing is lost.
+float mixed_density(float share, const LightImage::Texel& texel, float sine, float even) {
+    const float table = texel.density / (2 * kPi * kPi * std::max(sine, 1e-6f));
+    return share * table + (1 - share) * even;
+}
+
 struct Drawn {
     Vec3 w;
     Rgb radiance;  // over the pdf
@@ -65,13 +75,11 @@ Drawn draw(const EnvironmentLight& light, const Normal& n, Vec2 u) {
         w = to_direction(light, light.image->draw(u));
     else
         w = n ? cosine_direction(*n, u) : any_direction(u);
-    const float even_pdf = n ? std::max(0.0f, glm::dot(w, *n)) * kInvPi : 1 / (4 * kPi);
-    if (!light.image) return {w, light.radiance / even_pdf};
+    if (!light.image) return {w, light.radiance / even_density(n, w)};
     const auto [uv, sine] = to_angles(light, w);
     const LightImage::Texel texel = light.image->at(uv);
-    // Over solid angle: du dv = d omega / (2 pi^2 sine). At the poles themselves nothing is lost.
-    const float table_pdf = texel.density / (2 * kPi * kPi * std::max(sine, 1e-6f));
-    return {w, light.radiance * texel.color / (share * table_pdf + (1 - share) * even_pdf)};
+    return {w,
+            light.radiance * texel.color / mixed_density(share, texel, sine, even_density(n, w))};
 }
 
 }  // namespace
@@ -80,6 +88,13 @@ Sample sample(const EnvironmentLight& light, Vec3, const Normal& n, Vec2 u) {
     const Drawn drawn = draw(light, n, u);
     if (max_channel(drawn.radiance) == 0 || (n && glm::dot(drawn.w, *n) <= 0)) return std::nullopt;
     return LightSample{drawn.w, kInfinity, drawn.radiance};
+}
+
+float density(const EnvironmentLight& light, Vec3, const Normal& n, Vec3 w) {
+    if (n && glm::dot(w, *n) <= 0) return 0;
+    if (!light.image) return even_density(n, w);
+    const auto [uv, sine] = to_angles(light, w);
+    return mixed_density(light.image->share(), light.image->at(uv), sine, even_density(n, w));
 }
 
 LightPoint sample_point(const EnvironmentLight& light, Vec2 u) {

@@ -67,7 +67,14 @@ private:
     double b0_, b1_, k_, solid_angle_;
 };
 
-Sample sample_near(const QuadLight& light, Vec3 x, Vec2 u) {
+/// A quad from a point on its lit side: unit edges, the distance behind it, and what it covers.
+struct SeenQuad {
+    DVec3 right, up;
+    double z;
+    SphericalRectangle rectangle;
+};
+
+std::optional<SeenQuad> seen_from(const QuadLight& light, Vec3 x) {
     const DVec3 to_center = DVec3(light.center) - DVec3(x);
     const double z = glm::dot(to_center, DVec3(light.normal));  // < 0 on the side that is lit
     if (z >= 0) return std::nullopt;
@@ -76,12 +83,35 @@ Sample sample_near(const QuadLight& light, Vec3 x, Vec2 u) {
     const double a = glm::dot(to_center, right), b = glm::dot(to_center, up);
     const SphericalRectangle seen(a - width / 2, a + width / 2, b - height / 2, b + height / 2, z);
     if (!(seen.solid_angle() > 0)) return std::nullopt;
+    return SeenQuad{right, up, z, seen};
+}
+
+Sample sample_near(const QuadLight& light, Vec3 x, Vec2 u) {
+    const auto quad = seen_from(light, x);
+    if (!quad) return std::nullopt;
+    const auto& [right, up, z, seen] = *quad;
     const glm::dvec2 p = seen.draw(u);
     const DVec3 way = p.x * right + p.y * up + z * DVec3(light.normal);
     const double distance = glm::length(way);
     if (!(distance > 0 && std::isfinite(distance))) return std::nullopt;  // x is on the quad
     return LightSample{Vec3(way / distance), float(distance),
                        float(seen.solid_angle()) * light.radiance};
+}
+
+struct Crossing {
+    float t;  // mm
+    Vec2 uv;  // of the texture
+};
+
+/// Where a ray meets the quad's lit side.
+std::optional<Crossing> cross(const QuadLight& light, const Ray& ray) {
+    const auto t = cross_plane(light.center, light.normal, ray);
+    if (!t) return std::nullopt;
+    const Vec3 offset = ray.origin + *t * ray.direction - light.center;
+    const float a = glm::dot(offset, light.u) / length2(light.u);
+    const float b = glm::dot(offset, light.v) / length2(light.v);
+    if (std::abs(a) > 0.5f || std::abs(b) > 0.5f) return std::nullopt;
+    return Crossing{*t, texture_uv(a, b)};
 }
 
 }  // namespace
@@ -113,14 +143,24 @@ Rgb intensity(const QuadLight&, const LightPoint& point, Vec3 w, float) {
 }
 
 std::optional<Emission> see(const QuadLight& light, const Ray& ray) {
-    const auto t = cross_plane(light.center, light.normal, ray);
-    if (!t) return std::nullopt;
-    const Vec3 offset = ray.origin + *t * ray.direction - light.center;
-    const float a = glm::dot(offset, light.u) / length2(light.u);
-    const float b = glm::dot(offset, light.v) / length2(light.v);
-    if (std::abs(a) > 0.5f || std::abs(b) > 0.5f) return std::nullopt;
-    if (!light.texture) return Emission{*t, light.radiance};
-    return Emission{*t, light.radiance * light.texture->at(texture_uv(a, b)).color};
+    const auto crossing = cross(light, ray);
+    if (!crossing) return std::nullopt;
+    if (!light.texture) return Emission{crossing->t, light.radiance};
+    return Emission{crossing->t, light.radiance * light.texture->at(crossing->uv).color};
+}
+
+float density(const QuadLight& light, Vec3 x, const Normal&, Vec3 w) {
+    const auto crossing = cross(light, {x, w});
+    if (!crossing) return 0;
+    if (!light.texture && is_near(light, x)) {
+        const auto quad = seen_from(light, x);
+        return quad ? float(1 / quad->rectangle.solid_angle()) : 0;
+    }
+    const float area = glm::length(glm::cross(light.u, light.v));
+    const float even = area_density(area, crossing->t, w, light.normal);
+    if (!light.texture) return even;
+    const float share = light.texture->share();
+    return even * (share * light.texture->at(crossing->uv).density + (1 - share));
 }
 
 }  // namespace tallow

@@ -35,6 +35,10 @@ Rgb intensity(const QuadLight& light, const LightPoint& point, Vec3 w, float dis
 Rgb intensity(const DiscLight& light, const LightPoint& point, Vec3 w, float distance);
 Rgb intensity(const SphereLight& light, const LightPoint& point, Vec3 w, float distance);
 Rgb intensity(const MeshLight& light, const LightPoint& point, Vec3 w, float distance);
+float density(const QuadLight& light, Vec3 x, const Normal& n, Vec3 w);
+float density(const DiscLight& light, Vec3 x, const Normal& n, Vec3 w);
+float density(const SphereLight& light, Vec3 x, const Normal& n, Vec3 w);
+float density(const MeshLight& light, Vec3 x, const Normal& n, Vec3 w);
 std::optional<Emission> see(const QuadLight& light, const Ray& ray);
 std::optional<Emission> see(const DiscLight& light, const Ray& ray);
 std::optional<Emission> see(const SphereLight& light, const Ray& ray);
@@ -44,6 +48,7 @@ std::optional<Emission> see(const MeshLight& light, const Ray& ray);
 Sample sample(const EnvironmentLight& light, Vec3 x, const Normal& n, Vec2 u);
 LightPoint sample_point(const EnvironmentLight& light, Vec2 u);
 Rgb intensity(const EnvironmentLight& light, const LightPoint& point, Vec3 w, float distance);
+float density(const EnvironmentLight& light, Vec3 x, const Normal& n, Vec3 w);
 std::optional<Emission> see(const EnvironmentLight& light, const Ray& ray);
 
 /// Direction and distance from x to p; nothing if they coincide.
@@ -51,6 +56,9 @@ std::optional<std::pair<Vec3, float>> towards(Vec3 x, Vec3 p);
 
 /// Light of `strength` = radiance / pdf over the area, from a point p with normal n_light.
 Sample from_area(Vec3 x, Vec3 p, Vec3 n_light, Rgb strength);
+
+/// Density over solid angle of a point drawn evenly from `area`, seen t away in unit direction w.
+float area_density(float area, float t, Vec3 w, Vec3 n_light);
 
 /// Intensity of a light's area element.
 Rgb cosine_intensity(const LightPoint& point, Vec3 w);

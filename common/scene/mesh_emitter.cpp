@@ -53,10 +53,10 @@ MeshEmitter::Point MeshEmitter::draw(Vec2 u) const {
             triangle_normal(mesh(), t)};
 }
 
-std::optional<float> MeshEmitter::cross(const Ray& ray) const {
+std::optional<MeshEmitter::Crossing> MeshEmitter::cross(const Ray& ray) const {
     const std::optional<Hit> hit = rays_.intersect(ray);
     if (!hit || glm::dot(hit->n_g, ray.direction) >= 0) return std::nullopt;
-    return hit->t;
+    return Crossing{hit->t, hit->n_g};
 }
 
 bool MeshEmitter::hides(const Point& point, Vec3 w, float distance) const {

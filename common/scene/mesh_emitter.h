@@ -24,14 +24,19 @@ public:
     /// Uniform over the area; neighbouring u.x lie on triangles that are neighbours in the file.
     Point draw(Vec2 u) const;
 
-    /// Distance to the first side that the ray meets, if that is an outer one.
-    std::optional<float> cross(const Ray& ray) const;
+    /// The first side that the ray meets, if that is an outer one.
+    struct Crossing {
+        float t;      // mm
+        Vec3 normal;  // unit, outward
+    };
+    std::optional<Crossing> cross(const Ray& ray) const;
 
     /// Whether the mesh hides `point` from somebody `distance` away in unit direction w.
     bool hides(const Point& point, Vec3 w, float distance) const;
 
     float area() const { return area_; }  ///< mm^2
-    std::uint64_t hash() const;           ///< XXH3 of vertices and triangles
+    Box box() const { return bounding_box(surfaces_[0]); }
+    std::uint64_t hash() const;  ///< XXH3 of vertices and triangles
     const std::string& repair() const { return repair_; }
 
 private:

@@ -11,7 +11,7 @@ namespace tallow {
 namespace {
 
 const Surface kBall = SphereSurface{}, kMesh = TriangleMesh{};
-const MarchNoise kStraight = march_noise(Connection::straight, kMesh);
+const MarchNoise kStraight = march_noise(Connection::straight, kMesh, 0.01);
 
 const Medium& preset(const char* name) { return find_preset(name)->medium; }
 
@@ -60,10 +60,10 @@ TEST(MarchSteps, GrowWithTheAccuracyUpToALimit) {
 TEST(MarchSteps, FollowHowLightIsFollowed) {
     const auto steps = [](const Surface& surface, double tolerance) {
         return march_steps_of_pixel(Model::transport, preset("marble"), tolerance,
-                                    march_noise(Connection::exact, surface));
+                                    march_noise(Connection::exact, surface, tolerance));
     };
     EXPECT_GT(steps(kMesh, 0.01), steps(kBall, 0.01));
-    EXPECT_EQ(steps(kMesh, 1e-4), 128);
+    EXPECT_EQ(steps(kMesh, 1e-4), 1024);
 }
 
 TEST(MarchSteps, AreThoseOfTheSettingsIfThereAreAny) {
@@ -71,7 +71,7 @@ TEST(MarchSteps, AreThoseOfTheSettingsIfThereAreAny) {
     Settings settings;
     EXPECT_EQ(march_steps_of_pixel(material, kBall, settings, 0.01),
               march_steps_of_pixel(Model::transport, material.medium, 0.01,
-                                   march_noise(Connection::exact, kBall)));
+                                   march_noise(Connection::exact, kBall, 0.01)));
     settings.single_scattering_depths = 60;
     EXPECT_EQ(march_steps_of_pixel(material, kBall, settings, 0.01), 60);
 }
