@@ -118,7 +118,7 @@ std::vector<Rgb> transport_exitance(const BodyView& body, Scene scene, const Lit
     for (Material& material : scene.materials)
         if (auto* medium = std::get_if<SubsurfaceMaterial>(&material.kind))
             use_model(*medium, Model::transport);
-    const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths);
+    const BodyExitance exitance(body, scene, Orders::all, ExitanceUse::paths, FollowFlights());
     return exitance.field(lit, {}, ExitanceAccuracy{0.002f}).gather(points).M;
 }
 

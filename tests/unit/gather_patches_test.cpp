@@ -14,6 +14,7 @@
 #include "precompute/choose_light_samples.h"
 #include "precompute/gather_indirect.h"
 #include "tests/support/scenes.h"
+#include "tests/support/shapes.h"
 #include "tests/support/test_files.h"
 
 namespace tallow {
@@ -52,10 +53,8 @@ struct Patched {
     }
 };
 
-Surface ball(Vec3 center, float radius) { return SphereSurface{{glm::mat3(radius), center}}; }
-
 TEST(GatherPatches, AreLargeInTheOpenAndSmallWhereThingsAreNear) {
-    const Patched body({ball({0, 5, 0}, 5), PlaneSurface{Vec3(0), {0, 1, 0}}}, 0.2f);
+    const Patched body({test::ball({0, 5, 0}, 5), PlaneSurface{Vec3(0), {0, 1, 0}}}, 0.2f);
     double near = 0, far = 0;  // patches
     for (std::size_t p = 0; p < body.patches.count(); ++p) {
         const float y = body.samples.position[body.patches.sample(p, 0, 1)].y;
@@ -69,7 +68,7 @@ TEST(GatherPatches, AreLargeInTheOpenAndSmallWhereThingsAreNear) {
 }
 
 TEST(GatherPatches, RaysSetOutFromAllSamplesOfAPatch) {
-    const Patched body({ball(Vec3(0), 3)}, 0.2f);
+    const Patched body({test::ball(Vec3(0), 3)}, 0.2f);
     std::vector<int> rays(body.samples.size());
     for (std::size_t p = 0; p < body.patches.count(); ++p)
         for (std::size_t k = 0; k < 128; ++k) ++rays[body.patches.sample(p, k, 128)];
@@ -77,7 +76,7 @@ TEST(GatherPatches, RaysSetOutFromAllSamplesOfAPatch) {
 }
 
 TEST(GatherPatches, KeepsWhatIsConstantAndTheFlux) {
-    const Patched body({ball({0, 5, 0}, 5), PlaneSurface{Vec3(0), {0, 1, 0}}}, 0.2f);
+    const Patched body({test::ball({0, 5, 0}, 5), PlaneSurface{Vec3(0), {0, 1, 0}}}, 0.2f);
     const GroupIrradiance one = body.spread([](Vec3, Vec3) { return 1.0f; });
     double varied = 0;
     for (std::size_t i = 0; i < body.samples.size(); ++i) {
@@ -128,7 +127,7 @@ TEST(GatherPatches, SheetsBehindEachOtherDoNotMix) {
 /// Two balls of wax under parallel light, the second in the shadow of nothing but near the first.
 struct Pair {
     Scene scene = test::lit_scene({DirectionalLight{glm::normalize(Vec3(1, 0, -0.5f)), Rgb(1)}});
-    std::vector<Surface> surfaces{ball(Vec3(0), 2), ball({4.5f, 0, 0}, 2)};
+    std::vector<Surface> surfaces{test::ball(Vec3(0), 2), test::ball({4.5f, 0, 0}, 2)};
     RayScene rays{surfaces};
 
     Pair() {

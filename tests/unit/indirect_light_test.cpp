@@ -14,13 +14,12 @@
 #include "precompute/choose_light_samples.h"
 #include "precompute/gather_indirect.h"
 #include "tests/support/scenes.h"
+#include "tests/support/shapes.h"
 
 namespace tallow {
 namespace {
 
 using test::lit_scene;
-
-Surface ball(Vec3 center, float radius) { return SphereSurface{{glm::mat3(radius), center}}; }
 
 void add_object(Scene& scene, std::vector<Surface>& surfaces, const Material& material,
                 const Surface& surface) {
@@ -61,7 +60,8 @@ TEST(IndirectLight, ClosedWhiteRoom) {
         for (const int bounces : {1, 2, 5}) {
             Scene scene = lit_scene({PointLight{Vec3(0), Rgb(100)}});
             std::vector<Surface> surfaces;
-            add_object(scene, surfaces, {"wall", DiffuseMaterial{Rgb(rho)}}, ball(Vec3(0), 10));
+            add_object(scene, surfaces, {"wall", DiffuseMaterial{Rgb(rho)}},
+                       test::ball(Vec3(0), 10));
             double expected = 0;
             for (int k = 1; k <= bounces; ++k) expected += std::pow(double(rho), k);
             const auto E =
@@ -134,8 +134,8 @@ TEST(IndirectLight, OneBodyShinesOnAnother) {
     wax.medium = {Rgb(0.05f), Rgb(2), 0, 1.3f};
     wax.model = Model::dipole;
     const Vec3 center(6, 0, 0);
-    add_object(scene, surfaces, {"a", wax}, ball(Vec3(0), 2));
-    add_object(scene, surfaces, {"b", wax}, ball(center, 2));
+    add_object(scene, surfaces, {"a", wax}, test::ball(Vec3(0), 2));
+    add_object(scene, surfaces, {"b", wax}, test::ball(center, 2));
     add_object(scene, surfaces, {"screen", DiffuseMaterial{Rgb(0)}},
                DiscSurface{{glm::mat3(2.2f), {3, 0, 100}}});  // far away, in nobody's light
     const RayScene rays(surfaces);

@@ -14,14 +14,13 @@
 #include "common/optics/fresnel.h"
 #include "tests/support/ball_mesh.h"
 #include "tests/support/scenes.h"
+#include "tests/support/shapes.h"
 
 namespace tallow {
 namespace {
 
 constexpr PassageLimits kAll{1e-9f, 60};
 constexpr float kThickness = 2;
-
-Surface ball(Vec3 center, float radius) { return SphereSurface{{glm::mat3(radius), center}}; }
 
 // kThickness thick, its faces perpendicular to z; so wide that hardly a ray meets its edge.
 Surface plate_at(float z, float width = 4000) {
@@ -101,7 +100,8 @@ TEST(Passage, LosesWhatIsScattered) {
 // A clear body takes nothing: what is mirrored and what passes is 1. The ball's rays meet its
 // surface under the same angle each time; the cube's are reflected totally.
 TEST(Passage, OfClearBodiesLosesNothing) {
-    for (const Surface& shape : {ball(Vec3(0), 3), Surface(cube_mesh({glm::mat3(5.0f), Vec3(0)}))})
+    for (const Surface& shape :
+         {test::ball(Vec3(0), 3), Surface(cube_mesh({glm::mat3(5.0f), Vec3(0)}))})
         for (const Vec3 target : {Vec3(0.3f, 0.2f, 0), Vec3(1.1f, 0.4f, 0.9f)}) {
             World world({});
             world.add_body({Rgb(1e-7f), Rgb(0), 0, 1.3f}, shape);
@@ -117,7 +117,7 @@ TEST(Passage, OfClearBodiesLosesNothing) {
 // Too weak is not followed, and half-spaces have no other side.
 TEST(Passage, OfThickBodiesIsNone) {
     World thick({});
-    thick.add_body({Rgb(1), Rgb(9), 0, 1.3f}, ball(Vec3(0), 3));
+    thick.add_body({Rgb(1), Rgb(9), 0, 1.3f}, test::ball(Vec3(0), 3));
     EXPECT_TRUE(passages(thick, {{0, 0, 10}, {0, 0, -1}}, {1e-4f, 8}).empty());
     World half({});
     half.add_body({Rgb(1), Rgb(1), 0, 1.3f}, PlaneSurface{Vec3(0), {0, 0, 1}});
@@ -169,7 +169,7 @@ TEST(PassingPaths, SkyThroughAPlate) {
 // passes it and by what it mirrors.
 TEST(PassingPaths, ClearBallFillsItsShadow) {
     World world({EnvironmentLight{Rgb(1)}});
-    world.add_body({Rgb(1e-7f), Rgb(0), 0, 1.5f}, ball({0.4f, 0, 3}, 2));
+    world.add_body({Rgb(1e-7f), Rgb(0), 0, 1.5f}, test::ball({0.4f, 0, 3}, 2));
     world.add({"floor", DiffuseMaterial{Rgb(1)}}, PlaneSurface{Vec3(0), {0, 0, 1}});
     const Vec3 x(0), n(0, 0, 1);
     const RayScene rays(world.surfaces);
@@ -207,8 +207,8 @@ TEST(PassingPaths, EndAtBodiesWithoutTransmission) {
 // collected.
 TEST(PassingPaths, MeetBodiesBehindBodiesAlways) {
     World world({EnvironmentLight{Rgb(1)}});
-    world.add_body({Rgb(0.05f), Rgb(0.05f), 0, 1.3f}, ball({0, 0, 5}, 2));
-    world.add_body({Rgb(0.05f), Rgb(5), 0, 1.3f}, ball({0, 0, 10}, 2));
+    world.add_body({Rgb(0.05f), Rgb(0.05f), 0, 1.3f}, test::ball({0, 0, 5}, 2));
+    world.add_body({Rgb(0.05f), Rgb(5), 0, 1.3f}, test::ball({0, 0, 10}, 2));
     const RayScene rays(world.surfaces);
     const LightPaths paths(world.scene, rays, 2);
     int behind = 0;
