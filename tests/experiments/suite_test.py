@@ -69,7 +69,7 @@ class Suites(unittest.TestCase):
     def test_cases_of_another_folder(self):
         self.assert_fails(GOOD.replace("sphere-marble", "elephant-marble"), "4:5", "cases: "
                           "elephant-marble: expected a medium of wholemilk, apple, potato, "
-                          "chicken1, skin2, got 'marble'")
+                          "chicken1, skin2, cream, chicken2, got 'marble'")
         self.assertNotIn("unseen", {case.folder.name for case in all_cases()})
 
     def test_repeated_key(self):
