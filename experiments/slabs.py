@@ -72,7 +72,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--eta", type=float, default=1.4)
     parser.add_argument("--albedo", type=float, nargs="+", default=[0.999, 0.95, 0.8])
-    parser.add_argument("--thickness", type=float, nargs="+", default=[0.5, 1, 2, 4, 8])
+    parser.add_argument("--thickness", type=float, nargs="+", default=[1, 2, 4, 8])
     parser.add_argument("--model", nargs="+", default=["body-aware", "transport"])
     arguments = parser.parse_args()
     print(f"| albedo | mean free paths | model | {' | '.join(VIEWS)} |")
