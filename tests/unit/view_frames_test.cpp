@@ -23,7 +23,7 @@ const std::string kScene = R"(
 cameras:
   main: {type: perspective, position: [3, 3, 7], look_at: [0, 0, 0], fov_deg: 30, resolution: [50, 40]}
 materials:
-  wax: {type: subsurface, sigma_s_prime: [1, 1.5, 2], sigma_a: [0.02, 0.1, 0.3], eta: 1.4}
+  wax: {type: subsurface, sigma_s_prime: [1, 1.5, 2], sigma_a: [0.02, 0.1, 0.3], eta: 1.4, boundary_elements: off}
   floor: {type: diffuse, reflectance: 0.4}
 objects:
   - {shape: cube, size: [3, 2, 2], material: wax}
