@@ -201,10 +201,10 @@ private:
                    "the phase function turns too little light back", std::max(bound, edges));
     }
 
-    // Whether refracted paths take long. A place takes some 2 us along a straight line; along
-    // refracted paths from a quad 3 us on the bunny in marble (115 triangles in reach) and 9 us in
-    // skin1 (930), and on the interpolated normals of scenes/demo.yaml 7 us for each lamp. The
-    // limits are chosen: what pass two then takes is in docs/PLAN.md.
+    // Whether refracted paths take long. Roughly, on a busy machine: a place takes 2 us along a
+    // straight line; along refracted paths from a quad 3 us on the bunny in marble (115 triangles
+    // in reach) and 9 us in skin1 (930), and on the interpolated normals of scenes/demo.yaml 7 us
+    // for each lamp. The limits are chosen: what pass two then takes is in docs/PLAN.md.
     bool is_costly(const SubsurfaceMaterial& material) const {
         constexpr double kFewInReach = 200;
         constexpr std::size_t kFewTriangles = 1000;
