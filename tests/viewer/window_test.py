@@ -54,10 +54,12 @@ class Display:
     """A virtual X display of its own."""
 
     def __init__(self):
+        # Without -noreset the server starts anew when xdotool, its only client for a moment,
+        # leaves, and refuses the viewer meanwhile.
         read, write = os.pipe()
         self.server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten", "tcp"],
-            pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten", "tcp",
+             "-noreset"], pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as pipe:
             number = pipe.readline().strip()
@@ -106,17 +108,23 @@ class Viewer:
             self.process = subprocess.Popen(
                 [program, str(folder / "scene.yaml"), "--log", str(self.log_file), "--screenshots",
                  str(folder)], env=self.environment, stderr=errors)
-        self.window = int(wait_for(lambda: self.do("search", "--name", "^tallow: scene$"),
-                                   "the window").split()[0])
+        self.window = int(wait_for(self.find_window, "the window").split()[0])
         self.do("windowfocus", self.window)
 
     def do(self, *words):
         return subprocess.run(["xdotool", *map(str, words)], env=self.environment,
                               capture_output=True, text=True).stdout
 
-    def rows(self):
+    def must_run(self):
         if self.process.poll() is not None:
             raise AssertionError("ended: " + (self.folder / "stderr").read_text())
+
+    def find_window(self):
+        self.must_run()
+        return self.do("search", "--name", "^tallow: scene$")
+
+    def rows(self):
+        self.must_run()
         if not self.log_file.exists():
             return []
         whole_lines = self.log_file.read_text().rsplit("\n", 1)[0]
