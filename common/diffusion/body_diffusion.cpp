@@ -11,7 +11,8 @@
 namespace tallow {
 namespace {
 
-constexpr double kSolveTolerance = 1e-4;
+// Chosen: a tenth of what the size of clusters leaves.
+constexpr double kSolveTolerance = 1e-3;
 
 ChannelDiffusion channel_diffusion(const Medium& medium, int c) {
     const ReducedChannel reduced = reduced_channel(medium, c);
@@ -105,7 +106,9 @@ BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium
     const double reach = range(samples.position, medium);
     parallel_for(3, 1, [&](std::size_t c) {
         channels_[c] = channel_diffusion(medium, int(c));
-        if (solved[c]) kernels_[c].emplace(reduced_channel(medium, int(c)), channels_[c], reach);
+        if (!solved[c]) return;
+        const ReducedChannel reduced = reduced_channel(medium, int(c));
+        kernels_[c].emplace(reduced, channels_[c], LightBalance(reduced, orders), reach);
     });
     const double largest = choose_largest_area(samples, tree_, wish);
     fine_.clusters = cut_clusters(samples, tree_, largest);
@@ -141,13 +144,9 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         if (!solved_[c]) return;
         const SourceSums sums(light, *kernels_[c], double(medium_.mean_free_path()[int(c)]),
                               int(c));
-        const LightBalance balance(reduced_channel(medium_, int(c)), orders_);
         std::vector<float> phi;
         reports[c] = solve_channel(int(c), sums.in_infinite_medium(places, own),
-                                   balance.leaving(sums.diffusion_leaving_half_space(places, own),
-                                                   sums.on_its_way_out_of_half_space(places, own),
-                                                   sums.leaving_half_space(places, own)),
-                                   result, phi);
+                                   sums.leaving_half_space(places, own), result, phi);
         if (phi.empty()) return;
         find_radiance(int(c), sums, phi, own, result.radiance);
         say_how_much(int(c), sums.on_its_way_out(clusters().position, clusters().normal), result);

@@ -62,7 +62,12 @@ namespace {
 
 constexpr float kInv4Pi = float(1 / (4 * std::numbers::pi));
 
-constexpr int kMostIterations = 200;  // of each tenth of the residual
+constexpr int kMostIterations = 200;  // of each step
+
+// What GMRES makes of the residual of its guess, in the first step and in those that see whether
+// the solution still changes.
+constexpr float kFirstStep = 1e-2f, kNextSteps = 1e-1f;
+constexpr int kMostSteps = 6;
 
 }  // namespace
 }  // namespace tallow
@@ -201,8 +206,8 @@ BoundaryOperator::Solution BoundaryOperator::solve(int channel, const std::vecto
     Eigen::GMRES<ChannelMatrix, Eigen::IdentityPreconditioner> gmres(matrix);
     gmres.setMaxIterations(kMostIterations);
     gmres.set_restart(kMostIterations);
-    for (float residual = 1e-2f; residual > 1e-7f && !solution.converged; residual *= 0.1f) {
-        gmres.setTolerance(residual);
+    for (int step = 0; step < kMostSteps && !solution.converged; ++step) {
+        gmres.setTolerance(step == 0 ? kFirstStep : kNextSteps);  // of the guess's residual
         const Eigen::VectorXf next = gmres.solveWithGuess(b, x);
         solution.iterations += int(gmres.iterations());
         solution.converged = (next - x).norm() <= float(tolerance) * next.norm();

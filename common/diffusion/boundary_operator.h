@@ -30,8 +30,8 @@ public:
         int iterations = 0;
         bool converged = false;
     };
-    /// GMRES from `guess` until the exitance phi / (2 A) changes by less than `tolerance` of its
-    /// mean (relRMSE) between one tenth of the residual and the next.
+    /// GMRES from `guess` until a tenth of the residual changes the exitance phi / (2 A) by less
+    /// than `tolerance` (root mean square of the change over that of the exitance).
     Solution solve(int channel, const std::vector<double>& source, const std::vector<double>& guess,
                    double tolerance) const;
 

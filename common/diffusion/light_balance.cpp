@@ -32,13 +32,4 @@ LightBalance::LightBalance(const ReducedChannel& reduced, Orders orders)
       c_(leaving_by_fluence(reduced.eta)),
       of_first_(orders == Orders::all ? 1 : 0) {}
 
-std::vector<double> LightBalance::leaving(const std::vector<double>& B,
-                                          const std::vector<double>& phi_1,
-                                          const std::vector<double>& by_last_flight) const {
-    std::vector<double> result(B.size());
-    for (std::size_t i = 0; i < B.size(); ++i)
-        result[i] = leaving(B[i], phi_1[i], by_last_flight[i]);
-    return result;
-}
-
 }  // namespace tallow

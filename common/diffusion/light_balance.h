@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
 #include "common/optics/diffusion.h"
 #include "common/optics/profile.h"
 
@@ -34,9 +32,6 @@ public:
         return weight_ * alpha_prime_ * (B - c_ * phi_1) + (1 - weight_) * by_last_flight +
                of_first_ * c_ * phi_1;
     }
-    /// The same for many places.
-    std::vector<double> leaving(const std::vector<double>& B, const std::vector<double>& phi_1,
-                                const std::vector<double>& by_last_flight) const;
 
 private:
     double weight_, alpha_prime_, c_, of_first_;

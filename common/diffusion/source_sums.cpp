@@ -14,8 +14,8 @@
 namespace tallow {
 namespace {
 
-// Chosen: a half of what the size of clusters leaves (docs/BODY_AWARE.md).
-constexpr float kSumTolerance = 1e-2f;
+// Chosen: a third of what the size of clusters leaves (docs/BODY_AWARE.md).
+constexpr float kSumTolerance = 7e-3f;
 
 // Of the distance from a source in an infinite medium, mean free paths; well below the first depth.
 constexpr double kSoftening = 0.02;
@@ -30,27 +30,46 @@ constexpr int kCellPoints = 32;
 // Farther away than so many areas of its cell (squared) it acts as a point: within 1 % of itself.
 constexpr float kFarFromCell = 9;
 
+// Nodes whose area is so many squares of the mean free path and less have layers of their own:
+// they are about as wide then as sources lie deep. Measured on the bunny: 1 to 25 are alike.
+constexpr double kSplitArea = 9;
+
+// Light on its way is known to the tolerance down to this part of its mean: in the dark all light
+// is diffuse.
+constexpr float kDarkOnItsWay = 0.02f;
+
 // Mean cosine inside of ways on which light leaves.
 constexpr double kMeanCosine = 0.85;
 
 Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
 
-/// Points spread evenly over a disc of the sample's area in its tangent plane.
+/// Points spread evenly over the unit disc: a sunflower.
+std::array<Vec2, kCellPoints> make_disc() {
+    constexpr float kGoldenAngle = 2.39996323f;
+    std::array<Vec2, kCellPoints> points;
+    for (int k = 0; k < kCellPoints; ++k) {
+        const float r = std::sqrt((float(k) + 0.5f) / kCellPoints), angle = kGoldenAngle * float(k);
+        points[std::size_t(k)] = {r * std::cos(angle), r * std::sin(angle)};
+    }
+    return points;
+}
+const std::array<Vec2, kCellPoints> kDisc = make_disc();
+
+/// Mean of a kernel over a disc of a sample's area in its tangent plane, at `d` from its middle.
 class Cell {
 public:
-    Cell(Vec3 normal, float area) : radius_(std::sqrt(area / std::numbers::pi_v<float>)) {
+    Cell(Vec3 normal, float area) {
+        const float radius = std::sqrt(area / std::numbers::pi_v<float>);
         const Frame frame = make_frame(normal);
-        s_ = frame.s, t_ = frame.t;
+        s_ = radius * frame.s, t_ = radius * frame.t;
     }
-    Vec3 point(int k) const {
-        constexpr float kGoldenAngle = 2.39996323f;
-        const float r = radius_ * std::sqrt((float(k) + 0.5f) / kCellPoints);
-        return r *
-               (std::cos(kGoldenAngle * float(k)) * s_ + std::sin(kGoldenAngle * float(k)) * t_);
+    double mean(const KernelTable& kernel, Vec3 d) const {
+        double sum = 0;
+        for (const Vec2& p : kDisc) sum += double(kernel(length2(d + p.x * s_ + p.y * t_)));
+        return sum / kCellPoints;
     }
 
 private:
-    float radius_;
     Vec3 s_, t_;
 };
 
@@ -89,8 +108,8 @@ double fluence_in_half_space(double r2, double t, double z, double alpha_prime,
     return alpha_prime * diffuse + k.D * std::exp(-near) / near2;
 }
 
-// Of the tables, an order below that of the sums: finer ones take longer to make than to use.
-constexpr double kTableError = 5e-4;
+// Of the tables, a third of that of the sums: finer ones take longer to make than to use.
+constexpr double kTableError = 2e-3;
 
 double kappa_of(const ReducedChannel& reduced) {
     return diffusion_constants(reduced.absorption, reduced.eta).s;
@@ -117,75 +136,59 @@ KernelTable tabulate_inside(const ChannelDiffusion& k, double alpha_prime, doubl
     return tabulate(kernel, unit, mfp, range);
 }
 
-KernelTable tabulate_on_its_way(const ChannelDiffusion& k, double unit, double mfp, double range) {
+KernelTable tabulate_on_its_way(const ChannelDiffusion& k, double unit, double mfp) {
     const auto kernel = [&](double r2) {
         const double u = r2 + kSoftening * kSoftening * mfp * mfp;
         return k.D * std::exp(-std::sqrt(u) / mfp) / u;
     };
-    return tabulate(kernel, unit, mfp, range);
+    return tabulate(kernel, unit, mfp, kLongestFlight * mfp);
 }
 
-// Of all depths of sources in a half-space; `at_depth(r2, t)` in mean free paths, times 4 pi D.
-KernelTable tabulate_all_depths(const ReducedChannel& reduced, double unit, double range,
-                                const auto& at_depth) {
+// Of all depths of sources in a half-space.
+KernelTable tabulate_leaving(const ReducedChannel& reduced, const LightBalance& balance,
+                             double unit, double range) {
     const double sigma = reduced.sigma_t_prime;
-    const auto depths = first_scattering_rule(kappa_of(reduced));
+    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
+    const HalfSpaceNodes nodes = half_space_nodes(reduced.alpha_prime, reduced.eta, k.s);
+    const auto depths = first_scattering_rule(k.s);
+    // Times 4 pi D, lengths in mean free paths.
+    const auto from_depth = [&](double r2, double t) {
+        const double above = t + LightBalance::kAbove, u = r2 + above * above;
+        double by_last_flight = 0;
+        for (std::size_t n = 0; n < nodes.z.size(); ++n)
+            by_last_flight +=
+                nodes.weight[n] * fluence_in_half_space(r2, t, nodes.z[n], reduced.alpha_prime, k);
+        return balance.leaving(half_space_fluence(r2, t, k) / (2 * k.A),
+                               k.D * std::exp(-std::sqrt(u)) / u, by_last_flight);
+    };
     const auto kernel = [&](double r2) {
         double sum = 0;
         for (std::size_t i = 0; i < depths.weight.size(); ++i)
-            sum += depths.weight[i] * at_depth(r2 * sigma * sigma, depths.depth(i));
+            sum += depths.weight[i] * from_depth(r2 * sigma * sigma, depths.depth(i));
         return sum * sigma;
     };
     return tabulate(kernel, unit, 1 / sigma, range);
 }
 
-KernelTable tabulate_leaving_diffusion(const ReducedChannel& reduced, double unit, double range) {
-    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
-    return tabulate_all_depths(reduced, unit, range, [&](double r2, double t) {
-        return half_space_fluence(r2, t, k) / (2 * k.A);
-    });
-}
-
-KernelTable tabulate_on_its_way_out(const ReducedChannel& reduced, double unit, double range) {
-    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
-    return tabulate_all_depths(reduced, unit, range, [&](double r2, double t) {
-        const double z = t + LightBalance::kAbove;
-        const double u = r2 + z * z;
-        return k.D * std::exp(-std::sqrt(u)) / u;
-    });
-}
-
-KernelTable tabulate_leaving(const ReducedChannel& reduced, double unit, double range) {
-    const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
-    const HalfSpaceNodes nodes = half_space_nodes(reduced.alpha_prime, reduced.eta, k.s);
-    const auto depths = first_scattering_rule(k.s);
-    const auto kernel = [&](double r2) {
-        const double u = r2 * reduced.sigma_t_prime * reduced.sigma_t_prime;
-        double sum = 0;
-        for (std::size_t i = 0; i < depths.weight.size(); ++i)
-            for (std::size_t n = 0; n < nodes.z.size(); ++n)
-                sum +=
-                    depths.weight[i] * nodes.weight[n] *
-                    fluence_in_half_space(u, depths.depth(i), nodes.z[n], reduced.alpha_prime, k);
-        return sum * reduced.sigma_t_prime;
-    };
-    return tabulate(kernel, unit, 1 / reduced.sigma_t_prime, range);
+std::array<double, 5> depths_of(const DecayRule<5>& rule) {
+    std::array<double, 5> depths{};
+    for (std::size_t k = 0; k < depths.size(); ++k) depths[k] = rule.depth(k);
+    return depths;
 }
 
 }  // namespace
 
 SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
-                             double range)
+                             const LightBalance& balance, double range)
     : unit(KernelTable::unit_near(1 / reduced.sigma_t_prime)),
       kappa(kappa_of(reduced)),
       depths(first_scattering_rule(kappa)),
+      depth(depths_of(depths)),
       factor(reduced.alpha_prime / (4 * std::numbers::pi * channel.D)),
       in_infinite_medium(tabulate_infinite(channel, unit, 1 / reduced.sigma_t_prime, range)),
       inside(tabulate_inside(channel, reduced.alpha_prime, unit, 1 / reduced.sigma_t_prime, range)),
-      on_its_way(tabulate_on_its_way(channel, unit, 1 / reduced.sigma_t_prime, range)),
-      leaving(tabulate_leaving(reduced, unit, range)),
-      leaving_diffusion(tabulate_leaving_diffusion(reduced, unit, range)),
-      on_its_way_out(tabulate_on_its_way_out(reduced, unit, range)) {}
+      on_its_way(tabulate_on_its_way(channel, unit, 1 / reduced.sigma_t_prime)),
+      leaving(tabulate_leaving(reduced, balance, unit, range)) {}
 
 SourceSums::SourceSums(const EnteringLight& light, const SourceKernels& kernels,
                        double mean_free_path, int c)
@@ -193,31 +196,20 @@ SourceSums::SourceSums(const EnteringLight& light, const SourceKernels& kernels,
       kernels_(kernels),
       mfp_(mean_free_path),
       c_(c),
-      on_flights_(sources(kernels.in_infinite_medium, kernels.depths.weight.size(),
-                          [&](std::size_t i, std::size_t k) { return on_flight(i, k); })),
-      on_surface_(
-          sources(kernels.leaving, 1, [&](std::size_t i, std::size_t) { return on_surface(i); })) {}
-
-std::vector<double> SourceSums::on_flights(const KernelTable& kernel, std::span<const Vec3> places,
-                                           std::span<const std::int64_t> own_sample) const {
-    return sum({on_flights_, kernel}, places, own_sample, kernels_.depths.weight.size(),
-               [&](std::size_t i, std::size_t k) { return on_flight(i, k); });
-}
-
-std::vector<double> SourceSums::on_surface(const KernelTable& kernel, std::span<const Vec3> places,
-                                           std::span<const std::int64_t> own_sample) const {
-    return sum({on_surface_, kernel}, places, own_sample, 1,
-               [&](std::size_t i, std::size_t) { return on_surface(i); });
-}
+      on_flights_(make_sources(kernels.in_infinite_medium,
+                               std::uint32_t(kernels.depths.weight.size()),
+                               [&](std::size_t i, auto&& add) { put_on_flight(i, add); })),
+      on_surface_(make_sources(kernels.leaving, 1,
+                               [&](std::size_t i, auto&& add) { put_on_surface(i, add); })) {}
 
 std::vector<double> SourceSums::in_infinite_medium(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return on_flights(kernels_.in_infinite_medium, places, own_sample);
+    return sum(on_flights_, kernels_.in_infinite_medium, places, own_sample);
 }
 
 std::vector<double> SourceSums::inside(std::span<const Vec3> points,
                                        std::span<const std::int64_t> own_sample) const {
-    return on_flights(kernels_.inside, points, own_sample);
+    return sum(on_flights_, kernels_.inside, points, own_sample);
 }
 
 std::vector<double> SourceSums::on_its_way_out(std::span<const Vec3> places,
@@ -225,72 +217,69 @@ std::vector<double> SourceSums::on_its_way_out(std::span<const Vec3> places,
     std::vector<Vec3> above(places.size());
     for (std::size_t i = 0; i < above.size(); ++i)
         above[i] = places[i] + float(LightBalance::kAbove * mfp_) * normals[i];
-    return on_flights(kernels_.on_its_way, above, std::vector<std::int64_t>(above.size(), -1));
+    return sum(on_flights_, kernels_.on_its_way, above, std::vector<std::int64_t>(above.size(), -1),
+               kDarkOnItsWay);
 }
 
 std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
                                                    std::span<const std::int64_t> own_sample) const {
-    return on_surface(kernels_.leaving, places, own_sample);
+    return sum(on_surface_, kernels_.leaving, places, own_sample);
 }
 
-std::vector<double> SourceSums::diffusion_leaving_half_space(
-    std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const {
-    return on_surface(kernels_.leaving_diffusion, places, own_sample);
-}
-
-std::vector<double> SourceSums::on_its_way_out_of_half_space(
-    std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const {
-    return on_surface(kernels_.on_its_way_out, places, own_sample);
-}
-
-SourceSums::Source SourceSums::on_flight(std::size_t i, std::size_t depth) const {
-    const auto weight = float(kernels_.depths.weight[depth]);
+template <class Add>
+void SourceSums::put_on_flight(std::size_t i, const Add& add) const {
+    const DecayRule<5>& depths = kernels_.depths;
     const Flight& flight = light_.flights[i];
-    if (double(flight.legs[0].length) >= kLongestFlight * mfp_)
-        return {float(kernels_.depths.depth(depth) * mfp_) * light_.w_i[i], weight};
+    if (double(flight.legs[0].length) >= kLongestFlight * mfp_) {
+        for (std::size_t k = 0; k < depths.weight.size(); ++k)
+            add(k, float(kernels_.depth[k] * mfp_) * light_.w_i[i], depths.weight[k]);
+        return;
+    }
     const Collisions collisions(flight, mfp_);
-    return {collisions.at(kernels_.depths.share_on(depth, collisions.length())),
-            weight * float(collisions.probability())};
+    for (std::size_t k = 0; k < depths.weight.size(); ++k)
+        add(k, collisions.at(depths.share_on(k, collisions.length())),
+            depths.weight[k] * collisions.probability());
 }
 
 // Depths are in the half-space's kernel; what is left of the beam is its way along the surface.
-SourceSums::Source SourceSums::on_surface(std::size_t i) const {
-    return {float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1};
+template <class Add>
+void SourceSums::put_on_surface(std::size_t i, const Add& add) const {
+    add(0, float(mfp_) * tangential(light_.w_i[i], light_.normal[i]), 1);
 }
 
-// Of the flux of samples, each of which acts at `sources` points as source(sample, k) says. All are
-// points of one tree: from afar they act together.
-template <class SourceOf>
-PointSum SourceSums::sources(const KernelTable& kernel, std::size_t sources,
-                             const SourceOf& source) const {
-    const std::size_t n = light_.area.size();
-    std::vector<Vec3> positions(sources * n);
-    std::vector<float> flux(sources * n);
-    parallel_for(n, 4096, [&](std::size_t i) {
-        for (std::size_t k = 0; k < sources; ++k) {
-            const Source at = source(i, k);
-            positions[i * sources + k] = light_.position[i] + at.offset;
-            flux[i * sources + k] = at.share * light_.area[i] * light_.E_t[i][c_];
-        }
+// Of the flux of samples, each of which acts in `layers` points: put(sample, add) calls add(layer,
+// offset from the sample in mm, share of the flux) for each. All are points of one tree: from afar
+// they act together.
+template <class Put>
+SourceSums::Sources SourceSums::make_sources(const KernelTable& kernel, std::uint32_t layers,
+                                             const Put& put) const {
+    LayeredNodes nodes(light_.nodes, light_.area, layers, kSplitArea * mfp_ * mfp_);
+    std::vector<Vec3> positions(nodes.size());
+    std::vector<float> flux(nodes.size());
+    parallel_for(light_.area.size(), 4096, [&](std::size_t i) {
+        put(i, [&](std::size_t layer, Vec3 offset, double share) {
+            const std::size_t p = nodes.point(i, std::uint32_t(layer));
+            positions[p] = light_.position[i] + offset;
+            flux[p] = float(share) * light_.area[i] * light_.E_t[i][c_];
+        });
     });
-    std::vector<OctreeNode> nodes(light_.nodes.begin(), light_.nodes.end());
-    for (OctreeNode& node : nodes)
-        node.first *= std::uint32_t(sources), node.count *= std::uint32_t(sources);
-    return {positions, flux, nodes, kernel};
+    PointSum sum(positions, flux, nodes.nodes(), kernel);
+    return {std::move(nodes), std::move(sum)};
 }
 
 // [place] of the sum, with cells in the place of samples that are near.
-template <class SourceOf>
-std::vector<double> SourceSums::sum(const PointSum& point_sum, std::span<const Vec3> places,
-                                    std::span<const std::int64_t> own_sample, std::size_t sources,
-                                    const SourceOf& source) const {
+std::vector<double> SourceSums::sum(const Sources& sources, const KernelTable& kernel,
+                                    std::span<const Vec3> places,
+                                    std::span<const std::int64_t> own_sample, float dark) const {
+    const PointSum point_sum(sources.sum, kernel);
     std::vector<float> sums(places.size()), evaluations(places.size());
-    point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
+    point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}},
+                       dark);
     std::vector<double> result(sums.size());
     parallel_for(result.size(), 64, [&](std::size_t i) {
-        const double own = own_sample[i] < 0 ? 0
-                                             : own_cell(places[i], std::size_t(own_sample[i]),
-                                                        point_sum.kernel(), sources, source);
+        const double own = own_sample[i] < 0
+                               ? 0
+                               : own_cell(sources, kernel, places[i], std::size_t(own_sample[i]));
         // Where samples are far apart, what is taken off for the own cell is rounding at best.
         result[i] = kernels_.factor * std::max(0.0, double(sums[i]) + own);
     });
@@ -298,22 +287,18 @@ std::vector<double> SourceSums::sum(const PointSum& point_sum, std::span<const V
 }
 
 // What the cell of a sample sends to a place near it beyond what it does as points.
-template <class SourceOf>
-double SourceSums::own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel,
-                            std::size_t sources, const SourceOf& source) const {
+double SourceSums::own_cell(const Sources& sources, const KernelTable& kernel, Vec3 place,
+                            std::size_t sample) const {
     const Cell cell(light_.normal[sample], light_.area[sample]);
-    const Vec3 to_sample = light_.position[sample] - place;
+    const SumTree& tree = sources.sum.tree();
     double sum = 0;
-    for (std::size_t p = 0; p < sources; ++p) {
-        const Source at = source(sample, p);
-        const Vec3 d = to_sample + at.offset;
+    for (std::uint32_t k = 0; k < sources.nodes.layers(); ++k) {
+        const SumTree::Point& source = tree.points()[sources.nodes.point(sample, k)];
+        const Vec3 d = float(tree.unit()) * Vec3(source.x, source.y, source.z) - place;
         if (length2(d) > kFarFromCell * light_.area[sample]) continue;
-        double mean = 0;
-        for (int k = 0; k < kCellPoints; ++k)
-            mean += double(kernel(length2(d + cell.point(k)))) / kCellPoints;
-        sum += double(at.share) * (mean - double(kernel(length2(d))));
+        sum += double(source.weight) * (cell.mean(kernel, d) - double(kernel(length2(d))));
     }
-    return double(light_.area[sample] * light_.E_t[sample][c_]) * sum;
+    return tree.weight_scale() * sum;
 }
 
 }  // namespace tallow

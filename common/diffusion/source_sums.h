@@ -8,6 +8,8 @@
 #include "common/cloud/point_octree.h"
 #include "common/diffusion/boundary_sum.h"
 #include "common/diffusion/flight.h"
+#include "common/diffusion/layered_nodes.h"
+#include "common/diffusion/light_balance.h"
 #include "common/nbody/point_sum.h"
 #include "common/optics/diffusion.h"
 
@@ -31,18 +33,19 @@ struct EnteringLight {
 /// inside               alpha' e^(-s d) / d + D e^(-sigma_t' d) / d^2: Grosjean's two parts, light
 ///                      that has scattered once more, and light that is on its way to
 /// on_its_way           the second part of `inside` alone
-/// leaving              what leaves of `inside` in a half-space, all depths of sources together
-/// leaving_diffusion    what diffusion lets leave in a half-space, phi / (2 A)
-/// on_its_way_out       on_its_way above the surface of a half-space, by LightBalance::kAbove
+/// leaving              what leaves of a half-space by the balance of light, all depths of sources
+///                      together: the counterpart of what `inside` and the layers are for a body
 struct SourceKernels {
     /// Out to `range` mm.
-    SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel, double range);
+    SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
+                  const LightBalance& balance, double range);
 
-    double unit;          // mm
-    double kappa;         // decay of light deep inside, 1 / mean free path
-    DecayRule<5> depths;  // of sources along a flight
-    double factor;        // of all kernels: alpha' / (4 pi D)
-    KernelTable in_infinite_medium, inside, on_its_way, leaving, leaving_diffusion, on_its_way_out;
+    double unit;                  // mm
+    double kappa;                 // decay of light deep inside, 1 / mean free path
+    DecayRule<5> depths;          // of sources along a flight
+    std::array<double, 5> depth;  // the same on a way without end, mean free paths
+    double factor;                // of all kernels: alpha' / (4 pi D)
+    KernelTable in_infinite_medium, inside, on_its_way, leaving;
 };
 
 /// What light does from where it scatters first, at a few depths along its refracted beams, in one
@@ -68,47 +71,32 @@ public:
     std::vector<double> on_its_way_out(std::span<const Vec3> places,
                                        std::span<const Vec3> normals) const;
 
-    /// H: exitance of the half-space that has these sources, of light that scattered twice or more;
-    /// what `inside` and the layers are for a body.
+    /// H: exitance of the half-space that has these sources.
     std::vector<double> leaving_half_space(std::span<const Vec3> places,
                                            std::span<const std::int64_t> own_sample) const;
 
-    /// What `in_infinite_medium` and the boundary condition make of the half-space with these
-    /// sources: the exitance of all that scattered.
-    std::vector<double> diffusion_leaving_half_space(
-        std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const;
-
-    /// on_its_way_out() of the half-space.
-    std::vector<double> on_its_way_out_of_half_space(
-        std::span<const Vec3> places, std::span<const std::int64_t> own_sample) const;
-
 private:
-    /// Where the light of a sample acts, and how much of it.
-    struct Source {
-        Vec3 offset;  // from the sample, mm
-        float share;
+    struct Sources {
+        LayeredNodes nodes;
+        PointSum sum;
     };
-    Source on_flight(std::size_t i, std::size_t depth) const;
-    Source on_surface(std::size_t i) const;
-    std::vector<double> on_flights(const KernelTable& kernel, std::span<const Vec3> places,
-                                   std::span<const std::int64_t> own_sample) const;
-    std::vector<double> on_surface(const KernelTable& kernel, std::span<const Vec3> places,
-                                   std::span<const std::int64_t> own_sample) const;
-    template <class SourceOf>
-    PointSum sources(const KernelTable& kernel, std::size_t sources, const SourceOf& source) const;
-    template <class SourceOf>
-    std::vector<double> sum(const PointSum& point_sum, std::span<const Vec3> places,
-                            std::span<const std::int64_t> own_sample, std::size_t sources,
-                            const SourceOf& source) const;
-    template <class SourceOf>
-    double own_cell(Vec3 place, std::size_t sample, const KernelTable& kernel, std::size_t sources,
-                    const SourceOf& source) const;
+    template <class Add>
+    void put_on_flight(std::size_t i, const Add& add) const;
+    template <class Add>
+    void put_on_surface(std::size_t i, const Add& add) const;
+    template <class Put>
+    Sources make_sources(const KernelTable& kernel, std::uint32_t layers, const Put& put) const;
+    std::vector<double> sum(const Sources& sources, const KernelTable& kernel,
+                            std::span<const Vec3> places, std::span<const std::int64_t> own_sample,
+                            float dark = PointSum::kDark) const;
+    double own_cell(const Sources& sources, const KernelTable& kernel, Vec3 place,
+                    std::size_t sample) const;
 
     const EnteringLight& light_;
     const SourceKernels& kernels_;
     double mfp_;
     int c_;
-    PointSum on_flights_, on_surface_;
+    Sources on_flights_, on_surface_;
 };
 
 }  // namespace tallow

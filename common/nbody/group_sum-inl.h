@@ -5,8 +5,8 @@
 //    for every point in the group's ball) are turned into one polynomial of second degree about the
 //    group's center: sixteen nodes at a time, one kernel evaluation each for the whole group.
 // 2. What is left over is offered to each packet of 16 points: first the same with the packet's
-//    smaller ball; then nodes one by one with their moments, SIMD over the points; at last leaves
-//    point by point.
+//    smaller ball; then nodes one by one with their moments, at last leaves point by point, SIMD
+//    over the points of the packet, or over nodes and leaves if there are few points.
 //
 // Per-target include guard, as Highway asks for.
 #if defined(TALLOW_GROUP_SUM_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -22,6 +22,7 @@
 
 #include "common/nbody/expansion-inl.h"
 #include "common/nbody/group_sum.h"
+#include "common/nbody/near_sources-inl.h"
 #include "common/nbody/simd_kernel-inl.h"
 #include "hwy/highway.h"
 
@@ -37,6 +38,10 @@ constexpr float kLeftToPackets = 1;
 
 // Of sixteen nodes some nearly always pass, and a branch on that is mispredicted; of fewer it pays.
 constexpr bool kBranchless = kNodeLanes == 2 * SumTree::kChildren;
+
+// Packets of at most so many points take nodes and leaves sixteen at a time. Sums that are
+// certified never do: their bounds are of terms that are added up in order.
+constexpr std::uint32_t kFewTargets = 8;
 
 // Half a unit in the last place of 1: the relative rounding error of a float operation.
 constexpr float kRounding = 0x1p-24f;
@@ -274,7 +279,10 @@ private:
                       visit);
         }
         for_queue(queue, visit);
-        add_points(packet, ball, of_group, expansion, single_nodes, leaves, result);
+        if (!kCertify && packet.count <= kFewTargets)
+            add_to_few(packet, ball, of_group, expansion, single_nodes, leaves, result);
+        else
+            add_points(packet, ball, of_group, expansion, single_nodes, leaves, result);
         if constexpr (kCertify)
             result.bound = 1.001f * (bound_of_group + bound_of(expansion) + result.bound +
                                      total(Nodes(), remainder) / 6);
@@ -317,6 +325,41 @@ private:
         }
         result.bound = kRounding * rounding;
         result.evaluations = evaluations + expansion.nodes;
+    }
+
+    void add_to_few(const TargetGroups::Packet& packet, const Ball& ball,
+                    const Polynomial& of_group, const Expansion& expansion,
+                    const IndexList& single_nodes, const IndexList& leaves,
+                    GroupSumState::PacketResult& result) {
+        const Points d;
+        std::uint32_t points = 0;
+        for (std::size_t k = 0; k < leaves.size(); ++k)
+            points +=
+                in_.blocks[leaves[k] / SumTree::kChildren].count[leaves[k] % SumTree::kChildren];
+        NearSources sources(state_);
+        sources.reserve(points, single_nodes.size());
+        for (std::size_t k = 0; k < leaves.size(); ++k) {
+            const SumTree::Block& block = in_.blocks[leaves[k] / SumTree::kChildren];
+            const std::uint32_t lane = leaves[k] % SumTree::kChildren;
+            sources.add_points(in_.points + block.first[lane], block.count[lane]);
+        }
+        for (std::size_t k = 0; k < single_nodes.size(); ++k)
+            sources.add_node(in_.blocks[single_nodes[k] / SumTree::kChildren],
+                             single_nodes[k] % SumTree::kChildren);
+        sources.close();
+        const Polynomial polynomial(expansion, ball.center);
+        for (std::size_t i = 0; i < TargetGroups::kPacketSize; i += hn::MaxLanes(d)) {
+            const auto x = hn::Load(d, packet.x + i), y = hn::Load(d, packet.y + i),
+                       z = hn::Load(d, packet.z + i);
+            auto far = of_group.at(x, y, z);
+            if (expansion.nodes > 0) far = hn::Add(far, polynomial.at(x, y, z));
+            hn::Store(far, d, result.sum + i);
+        }
+        for (std::uint32_t i = 0; i < packet.count; ++i)
+            result.sum[i] += sources.sum_at(packet.x[i], packet.y[i], packet.z[i], in_.kernel);
+        std::fill(result.sum + packet.count, std::end(result.sum), result.sum[packet.count - 1]);
+        result.bound = 0;
+        result.evaluations = points + std::uint32_t(single_nodes.size()) + expansion.nodes;
     }
 
     float bound_of(const Expansion& e) const {

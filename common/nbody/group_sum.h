@@ -34,6 +34,7 @@ struct GroupSumState {
 
     std::vector<Node> near;                           // left over by the group for its packets
     std::vector<std::uint32_t> queue, nodes, leaves;  // of blocks; of block * 8 + lane
+    std::vector<float> near_points, near_nodes;       // columns of those, one after the other
 };
 
 /// Largest remainders (docs/EVALUATOR.md) that single nodes may have: those whose ball is apart

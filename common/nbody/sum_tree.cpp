@@ -13,7 +13,7 @@
 namespace tallow {
 namespace {
 
-constexpr std::uint32_t kDirect = 512;  // points up to which moments are taken from the points
+constexpr std::uint32_t kDirect = 128;  // points up to which moments are taken from the points
 
 float round_up(double value) {
     return std::nextafter(float(value), std::numeric_limits<float>::infinity());
@@ -88,7 +88,8 @@ private:
             const DVec3 d = DVec3(child.center) - DVec3(m.center);
             const double distance = glm::length(d);
             m.radius = std::max(m.radius, distance + child.radius);
-            cubes += child.weight * std::pow(distance + child.spread, 3);
+            const double reach = distance + child.spread;
+            cubes += child.weight * reach * reach * reach;
             // The child's points about ours: Q + e d^T + d e^T + W d d^T, e its first moment.
             const DVec3 e = child.weight * (child.centroid - DVec3(child.center));
             add_second(m, child.weight, d);
@@ -132,53 +133,75 @@ struct Siblings {
     std::uint32_t node[SumTree::kChildren];
 };
 
-// The children of a node; and as long as there is room, those of the largest child in its place. On
-// a surface an octant has four children: blocks would be half empty.
-Siblings descendants(std::span<const OctreeNode> nodes, std::uint32_t parent) {
-    Siblings result;
-    const auto add_children = [&](std::uint32_t i, auto&& add) {
-        for (std::uint32_t c = i + 1; c < i + nodes[i].skip; c += nodes[c].skip) add(c);
-    };
-    add_children(parent, [&](std::uint32_t c) { result.node[result.count++] = c; });
-    for (;;) {
-        int largest = -1;
-        for (int k = 0; k < result.count; ++k) {
-            const OctreeNode& node = nodes[result.node[k]];
-            int children = 0;
-            add_children(result.node[k], [&](std::uint32_t) { ++children; });
-            if (children > 0 && result.count - 1 + children <= SumTree::kChildren &&
-                (largest < 0 || node.count > nodes[result.node[largest]].count))
-                largest = k;
+/// Which nodes lie together in which block.
+class BlockPlan {
+public:
+    explicit BlockPlan(std::span<const OctreeNode> nodes)
+        : nodes_(nodes), block_of_(nodes.size(), SumTree::kLeaf) {
+        blocks_.push_back({1, {0}});
+        std::vector<char> has_block(nodes.size());
+        has_block[0] = nodes[0].skip > 1;
+        for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+            if (!has_block[i]) continue;
+            block_of_[i] = std::uint32_t(blocks_.size());
+            const Siblings& siblings = blocks_.emplace_back(descendants(i));
+            for (int k = 0; k < siblings.count; ++k)
+                has_block[siblings.node[k]] = nodes[siblings.node[k]].skip > 1;
         }
-        if (largest < 0) return result;
-        const std::uint32_t opened = result.node[largest];
-        result.node[largest] = result.node[--result.count];
-        add_children(opened, [&](std::uint32_t c) { result.node[result.count++] = c; });
     }
-}
 
-// The block that holds the descendants of a node, or kLeaf if none does: leaves have none, and what
-// descendants() skips needs none.
-std::vector<std::uint32_t> number_blocks(std::span<const OctreeNode> nodes) {
-    std::vector<std::uint32_t> block_of(nodes.size(), SumTree::kLeaf);
-    std::vector<char> has_block(nodes.size());
-    has_block[0] = nodes[0].skip > 1;
-    std::uint32_t blocks = 1;
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        if (!has_block[i]) continue;
-        block_of[i] = blocks++;
-        const Siblings siblings = descendants(nodes, i);
-        for (int k = 0; k < siblings.count; ++k)
-            has_block[siblings.node[k]] = nodes[siblings.node[k]].skip > 1;
+    /// The root's, and then in the order of the nodes whose descendants they hold.
+    std::span<const Siblings> blocks() const { return blocks_; }
+    /// The block that holds the descendants of a node, or kLeaf if none does: leaves have none, and
+    /// nodes in whose place their children lie need none.
+    std::uint32_t block_of(std::uint32_t node) const { return block_of_[node]; }
+
+private:
+    // The children of a node; and as long as there is room, those of the largest child in its
+    // place. On a surface an octant has four children: blocks would be half empty.
+    Siblings descendants(std::uint32_t parent) const {
+        Siblings result;
+        int children[SumTree::kChildren];  // of the siblings
+        const auto put = [&](int k, std::uint32_t node) {
+            result.node[k] = node;
+            children[k] = 0;
+            for_each_child(node, [&](std::uint32_t) { ++children[k]; });
+        };
+        const auto add_children = [&](std::uint32_t i) {
+            for_each_child(i, [&](std::uint32_t c) { put(result.count++, c); });
+        };
+        add_children(parent);
+        for (;;) {
+            int largest = -1;
+            for (int k = 0; k < result.count; ++k)
+                if (children[k] > 0 && result.count - 1 + children[k] <= SumTree::kChildren &&
+                    (largest < 0 ||
+                     nodes_[result.node[k]].count > nodes_[result.node[largest]].count))
+                    largest = k;
+            if (largest < 0) return result;
+            const std::uint32_t opened = result.node[largest];
+            --result.count;
+            result.node[largest] = result.node[result.count];
+            children[largest] = children[result.count];
+            add_children(opened);
+        }
     }
-    return block_of;
-}
+
+    template <class Use>
+    void for_each_child(std::uint32_t i, const Use& use) const {
+        for (std::uint32_t c = i + 1; c < i + nodes_[i].skip; c += nodes_[c].skip) use(c);
+    }
+
+    std::span<const OctreeNode> nodes_;
+    std::vector<std::uint32_t> block_of_;  // [node]
+    std::vector<Siblings> blocks_;
+};
 
 }  // namespace
 
 SumTree::SumTree(std::span<const Vec3> positions, std::span<const float> weights,
                  std::span<const OctreeNode> nodes, double unit)
-    : points_(positions.size()), unit_(unit) {
+    : points_(positions.size() + kPadding), unit_(unit) {
     if (nodes.empty()) return;
     for (const float w : weights) total_weight_ += w;
     if (total_weight_ > 0) weight_scale_ = std::exp2(std::floor(std::log2(total_weight_)));
@@ -187,23 +210,17 @@ SumTree::SumTree(std::span<const Vec3> positions, std::span<const float> weights
         const Vec3 p = to_units * positions[j];
         points_[j] = {p.x, p.y, p.z, float(weights[j] / weight_scale_)};
     });
-    const std::vector<Moments> moments = MomentBuilder(points_, nodes).build();
+    const std::vector<Moments> moments = MomentBuilder(points(), nodes).build();
 
-    // Blocks are numbered in the order of the nodes whose descendants they hold.
-    const std::vector<std::uint32_t> block_of = number_blocks(nodes);
-    blocks_.resize(1 + nodes.size() -
-                   std::size_t(std::count(block_of.begin(), block_of.end(), kLeaf)));
-    parallel_for(blocks_.size(), 256, [&](std::size_t b) {
+    const BlockPlan plan(nodes);
+    blocks_.resize(plan.blocks().size());
+    parallel_for(blocks_.size(), 128, [&](std::size_t b) {
         blocks_[b] = {};
         std::fill_n(blocks_[b].child, kChildren, kLeaf);
-    });
-    put(blocks_[0], 0, moments[0], nodes[0], block_of[0]);
-    parallel_for(nodes.size(), 512, [&](std::size_t i) {
-        if (block_of[i] == kLeaf) return;
-        const Siblings siblings = descendants(nodes, std::uint32_t(i));
+        const Siblings& siblings = plan.blocks()[b];
         for (int lane = 0; lane < siblings.count; ++lane) {
             const std::uint32_t node = siblings.node[lane];
-            put(blocks_[block_of[i]], lane, moments[node], nodes[node], block_of[node]);
+            put(blocks_[b], lane, moments[node], nodes[node], plan.block_of(node));
         }
     });
 }

@@ -39,6 +39,8 @@ public:
     struct Point {
         float x, y, z, weight;
     };
+    /// Points without weight behind points(), so that whole registers may be read there.
+    static constexpr std::size_t kPadding = 16;
 
     /// `nodes` is the topology over the points, in whose order positions[] (mm) and weights[] are.
     SumTree(std::span<const Vec3> positions, std::span<const float> weights,
@@ -46,7 +48,7 @@ public:
 
     /// Block 0 holds the root alone. Empty for no points.
     std::span<const Block> blocks() const { return blocks_; }
-    std::span<const Point> points() const { return points_; }
+    std::span<const Point> points() const { return {points_.data(), points_.size() - kPadding}; }
     double unit() const { return unit_; }
     double weight_scale() const { return weight_scale_; }
     double total_weight() const { return total_weight_; }
