@@ -282,7 +282,7 @@ TEST(PointSum, FewTargetsAmongManySamples) {
     std::vector<Vec3> targets;  // about 2 mm apart
     for (std::size_t i = 0; i < cloud.positions.size(); i += 160)
         targets.push_back(cloud.positions[i]);
-    for (const double scale : {0.3, 1.0}) {
+    for (const double scale : {0.1, 0.3}) {
         const Kernel kernel = gaussian(scale);
         const TargetGroups groups(targets, kernel.table.unit());
         ASSERT_LT(double(targets.size()) / double(groups.packets().size()), 4);
