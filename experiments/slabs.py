@@ -3,12 +3,14 @@
 """The body-aware model in plates, against transport.
 
     experiments/python experiments/slabs.py [--eta ETA] [--albedo A ...] [--thickness T ...]
+                                            [--incidence DEGREES]
 
-Plates of T mean free paths (1 mm), lit at right angles; prints how far off is what leaves after two
+Plates of T mean free paths (1 mm), lit at right angles or DEGREES from that; prints how far off is what leaves after two
 scatterings or more: on the lit side and on the other, seen at right angles and at 45 degrees, in
 per cent of transport (slab_transport.py).
 """
 import argparse
+import math
 import pathlib
 import sys
 import tempfile
@@ -32,7 +34,7 @@ cameras: {{{cameras}}}
 materials:
   body: {{type: subsurface, sigma_s_prime: [{s}, {s}, {s}], sigma_a: [{a}, {a}, {a}], eta: {eta}, model: {model}}}
 objects: [{{shape: cube, center: [0, 0, {z}], size: [{side}, {side}, {thickness}], material: body}}]
-lights: [{{type: directional, direction: [0, 0, -1], irradiance: [1, 1, 1]}}]
+lights: [{{type: directional, direction: [0, {sine}, -{cosine}], irradiance: [1, 1, 1]}}]
 settings: {{bounces: 0}}
 """
 
@@ -45,11 +47,12 @@ def camera(name, cosine, side, thickness):
             f"look_at: [0, 0, {z}], fov_deg: 0.4, resolution: [8, 8]}}")
 
 
-def rendered(thickness, albedo, eta, model, folder):
+def rendered(thickness, albedo, eta, model, incidence, folder):
     cameras = ", ".join(camera(name, *view, thickness) for name, view in VIEWS.items())
     scene, cache, image = folder / "slab.yaml", folder / "slab.tallow", folder / "slab.exr"
     scene.write_text(SCENE.format(cameras=cameras, s=albedo, a=max(1 - albedo, 1e-9), eta=eta,
-                                  model=model, z=-thickness / 2, side=SIDE, thickness=thickness))
+                                  model=model, z=-thickness / 2, side=SIDE, thickness=thickness,
+                                  sine=math.sin(incidence), cosine=math.cos(incidence)))
     programs.run("tallow-precompute", scene, "-o", cache)
     result = {}
     for name in VIEWS:
@@ -60,10 +63,20 @@ def rendered(thickness, albedo, eta, model, folder):
     return result
 
 
-def transported(thickness, albedo, eta):
+def transmittance(eta, incidence):
+    """Fresnel, unpolarized, from outside."""
+    cos_i = math.cos(incidence)
+    cos_t = math.sqrt(1 - (math.sin(incidence) / eta) ** 2)
+    s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
+    p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
+    return 1 - (s * s + p * p) / 2
+
+
+def transported(thickness, albedo, eta, incidence):
     slab = Slab(thickness, albedo, eta)
-    entering = 4 * eta / (eta + 1) ** 2
-    sides = slab.leaving(slab.later_collisions(1.0), [cosine for cosine, _ in VIEWS.values()])
+    entering = transmittance(eta, incidence) * math.cos(incidence)
+    inside = math.sqrt(1 - (math.sin(incidence) / eta) ** 2)
+    sides = slab.leaving(slab.later_collisions(inside), [cosine for cosine, _ in VIEWS.values()])
     return {name: entering * sides[0 if side > 0 else 1][i]
             for i, (name, (_, side)) in enumerate(VIEWS.items())}
 
@@ -74,15 +87,18 @@ def main():
     parser.add_argument("--albedo", type=float, nargs="+", default=[0.999, 0.95, 0.8])
     parser.add_argument("--thickness", type=float, nargs="+", default=[1, 2, 4, 8])
     parser.add_argument("--model", nargs="+", default=["body-aware", "transport"])
+    parser.add_argument("--incidence", type=float, default=0, help="degrees")
     arguments = parser.parse_args()
+    incidence = math.radians(arguments.incidence)
     print(f"| albedo | mean free paths | model | {' | '.join(VIEWS)} |")
     print("|---|---|---|" + "---|" * len(VIEWS))
     with tempfile.TemporaryDirectory() as folder:
         for albedo in arguments.albedo:
             for thickness in arguments.thickness:
-                truth = transported(thickness, albedo, arguments.eta)
+                truth = transported(thickness, albedo, arguments.eta, incidence)
                 for model in arguments.model:
-                    ours = rendered(thickness, albedo, arguments.eta, model, pathlib.Path(folder))
+                    ours = rendered(thickness, albedo, arguments.eta, model, incidence,
+                                    pathlib.Path(folder))
                     errors = [100 * (ours[name] / truth[name] - 1) for name in VIEWS]
                     print(f"| {albedo:g} | {thickness:g} | {model} | "
                           f"{' | '.join(f'{x:+.0f} %' for x in errors)} |", flush=True)
