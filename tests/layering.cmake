@@ -32,7 +32,7 @@ set(fences
   "CLI/=common/base/cli.cpp"
   "nlohmann/=(common/base/stats|material/material_json).cpp"
   "(unsupported/)?Eigen/=common/diffusion/boundary_operator.cpp"
-  "hwy/=(common/(nbody|diffusion)/([a-z_]+-inl\\.h|group_sum\\.cpp|boundary_sum\\.cpp)|render/(beam|patch)_gate\\.cpp)"
+  "hwy/=(common/(nbody|diffusion)/([a-z_]+-inl\\.h|group_sum\\.cpp|boundary_sum\\.cpp|once_sum\\.cpp)|render/(beam|patch)_gate\\.cpp)"
   "SDL=viewer/(window|sdl_input|text_painter)\\.(h|cpp)")
 
 set(errors "")

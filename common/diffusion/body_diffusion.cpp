@@ -20,13 +20,11 @@ ChannelDiffusion channel_diffusion(const Medium& medium, int c) {
     return {k.D / reduced.sigma_t_prime, k.s * reduced.sigma_t_prime, k.A};
 }
 
-// [place] where its own sample is in the light, or -1 if it is dark; `own` [place] is that sample.
-std::vector<std::int64_t> own_samples(std::span<const std::uint32_t> own,
-                                      const EnteringLight& light, std::size_t samples) {
-    std::vector<std::int64_t> lit(samples, -1), result;
+// [sample of the surface] where it is in the light, or -1 if it is dark.
+std::vector<std::int64_t> find_lit(const EnteringLight& light, std::size_t samples) {
+    std::vector<std::int64_t> lit(samples, -1);
     for (std::size_t i = 0; i < light.index.size(); ++i) lit[light.index[i]] = std::int64_t(i);
-    for (const std::uint32_t i : own) result.push_back(lit[i]);
-    return result;
+    return lit;
 }
 
 // The farthest that a source can be from a point, mm.
@@ -133,12 +131,16 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         fields->B.assign(n, Rgb(0)), fields->H.assign(n, Rgb(0));
     }
     result.radiance.resize(clusters().count());
+    result.entry = {std::vector<Rgb>(clusters().count()), std::vector<Rgb>(clusters().count())};
     if (light.position.empty()) return result;
     std::vector<Vec3> places = fine_.clusters.position;
     places.insert(places.end(), coarse_.clusters.position.begin(), coarse_.clusters.position.end());
     std::vector<std::uint32_t> nearest = fine_.clusters.nearest;
     nearest.insert(nearest.end(), coarse_.clusters.nearest.begin(), coarse_.clusters.nearest.end());
-    const auto own = own_samples(nearest, light, samples_.size());
+    const std::vector<std::int64_t> lit = find_lit(light, samples_.size());
+    std::vector<std::int64_t> own(nearest.size());
+    std::ranges::transform(nearest, own.begin(), [&](std::uint32_t i) { return lit[i]; });
+    result.entry = find_entry(light, lit);
     std::array<ChannelReport, 3> reports;
     parallel_for(3, 1, [&](std::size_t c) {
         if (!solved_[c]) return;
@@ -149,13 +151,29 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
                                    sums.leaving_half_space(places, own), result, phi);
         if (phi.empty()) return;
         find_radiance(int(c), sums, phi, own, result.radiance);
-        say_how_much(int(c), sums.on_its_way_out(clusters().position, clusters().normal), result);
+        say_how_much(int(c), sums.leaving_once(clusters().position, clusters().normal), result);
     });
     for (const ChannelReport& report : reports) {
         result.iterations = std::max(result.iterations, report.iterations);
         result.converged = result.converged && report.converged;
     }
     return result;
+}
+
+BodyDiffusion::Entry BodyDiffusion::find_entry(const EnteringLight& light,
+                                               std::span<const std::int64_t> lit) const {
+    const SurfaceClusters& clusters = fine_.clusters;
+    Entry entry{std::vector<Rgb>(clusters.count()), std::vector<Rgb>(clusters.count())};
+    parallel_for(clusters.count(), 64, [&](std::size_t i) {
+        for (const std::uint32_t s : tree_.samples(tree_.patches[clusters.patch[i]])) {
+            if (lit[s] < 0) continue;
+            const auto k = std::size_t(lit[s]);
+            const Rgb E = light.area[k] / clusters.area[i] * light.E_t[k];
+            entry.E[i] += E;
+            entry.E_mu[i] += std::max(0.0f, -glm::dot(light.w_i[k], light.normal[k])) * E;
+        }
+    });
+    return entry;
 }
 
 // `S` and `H` [place]: fine clusters, then coarse ones. `phi` [fine cluster] is left empty if there
@@ -243,29 +261,38 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
     });
 }
 
-// Keeps the directions of what leaves, and lets the balance say how much it is.
-void BodyDiffusion::say_how_much(int c, const std::vector<double>& on_its_way_out,
+// Lets the balance say how much leaves. What F misses of it is light that total reflection keeps in
+// the body: it comes from everywhere alike, and most along ways on which much scatters.
+void BodyDiffusion::say_how_much(int c, const std::vector<double>& leaving_once,
                                  Solution& result) const {
-    const LightBalance balance(reduced_channel(medium_, c), orders_);
+    const ReducedChannel reduced = reduced_channel(medium_, c);
+    const LightBalance balance(reduced, orders_);
     const float mean_cosine = mean_cosine_of_leaving(medium_.eta);
-    for (std::size_t i = 0; i < on_its_way_out.size(); ++i) {
+    parallel_for(leaving_once.size(), 256, [&](std::size_t i) {
+        const Vec3 mean_way = mean_cosine * fine_.clusters.normal[i];
+        std::array<float, LeavingRays::kDirections> scattered{};
+        for (std::size_t d = 0; d < scattered.size(); ++d)
+            scattered[d] =
+                float(Collisions(leaving_[i * scattered.size() + d], 1 / reduced.sigma_t_prime)
+                          .probability());
+        const LeavingRadiance shape = LeavingRays(fine_.clusters.normal[i]).fit(scattered);
         LeavingRadiance& X = result.radiance[i][std::size_t(c)];
-        const double mean =
-            double(X.even + mean_cosine * glm::dot(X.slope, fine_.clusters.normal[i]));
-        X.even +=
-            float(balance.leaving(double(result.fine.B[i][c]), on_its_way_out[i], mean) - mean);
-    }
+        const double mean = double(X.at(mean_way));
+        const double missing =
+            balance.leaving(double(result.fine.B[i][c]), leaving_once[i], mean) - mean;
+        X.add(float(missing) / shape.at(mean_way), shape);
+    });
 }
 
 void BodyDiffusion::Solution::add(Rgb scale, const Solution& b) {
     tallow::add(fine.B, scale, b.fine.B), tallow::add(fine.H, scale, b.fine.H);
     tallow::add(coarse.B, scale, b.coarse.B), tallow::add(coarse.H, scale, b.coarse.H);
+    tallow::add(entry.E, scale, b.entry.E), tallow::add(entry.E_mu, scale, b.entry.E_mu);
     radiance.resize(b.radiance.size());
     for (std::size_t i = 0; i < radiance.size(); ++i)
         for (int c = 0; c < 3; ++c) {
             LeavingRadiance& sum = radiance[i][std::size_t(c)];
-            sum.even += scale[c] * b.radiance[i][std::size_t(c)].even;
-            sum.slope += scale[c] * b.radiance[i][std::size_t(c)].slope;
+            sum.add(scale[c], b.radiance[i][std::size_t(c)]);
         }
     iterations = std::max(iterations, b.iterations);
     converged = converged && b.converged;

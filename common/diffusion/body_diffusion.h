@@ -50,14 +50,19 @@ public:
         std::vector<Rgb> B;  // [cluster] phi / (2 A), W/mm^2, >= 0
         std::vector<Rgb> H;  // [cluster] exitance of the half-space, W/mm^2, >= 0
     };
+    /// Light that enters: its flux, and that times its cosine with the normal inside.
+    struct Entry {
+        std::vector<Rgb> E, E_mu;  // [fine cluster] W/mm^2
+    };
     using ClusterRadiance = std::array<LeavingRadiance, 3>;  // [channel]
     /// On the clusters, and on a quarter as many for an estimate of the error. Linear in the light:
     /// those of several lights may be added.
     struct Solution {
         Fields fine, coarse;
         std::vector<ClusterRadiance> radiance;  // [fine cluster] W/mm^2
-        int iterations = 0;                     // of GMRES, the most of any channel
-        bool converged = true;                  // GMRES did, and all is finite
+        Entry entry;
+        int iterations = 0;     // of GMRES, the most of any channel
+        bool converged = true;  // GMRES did, and all is finite
 
         void add(Rgb scale, const Solution& b);
     };
@@ -90,12 +95,13 @@ private:
         int iterations = 0;
         bool converged = true;
     };
+    Entry find_entry(const EnteringLight& light, std::span<const std::int64_t> lit) const;
     ChannelReport solve_channel(int c, const std::vector<double>& S, const std::vector<double>& H,
                                 Solution& result, std::vector<float>& phi) const;
     void find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
                        std::span<const std::int64_t> own_sample,
                        std::vector<ClusterRadiance>& radiance) const;
-    void say_how_much(int c, const std::vector<double>& on_its_way_out, Solution& result) const;
+    void say_how_much(int c, const std::vector<double>& leaving_once, Solution& result) const;
 
     Medium medium_;
     Orders orders_;

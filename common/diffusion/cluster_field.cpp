@@ -17,6 +17,12 @@ float cosine_inside(float eta, float cos_o) {
     return std::sqrt(1 - (1 - cos_o * cos_o) / (eta * eta));
 }
 
+// Light that scatters twice in a half-space without an interface, by its cosines, times a constant.
+float second_order(float mu_0, float mu) {
+    const auto f = [](float x) { return x * std::log1p(1 / std::max(x, 1e-6f)); };
+    return (f(mu_0) + f(mu)) / std::max(mu_0 + mu, 1e-6f);
+}
+
 }  // namespace
 
 ClusterNeighbours::ClusterNeighbours(const SurfaceClusters& clusters) {
@@ -86,9 +92,8 @@ Rgb ClusterRatio::at(Vec3 position, Vec3 n) const {
     return ratio;
 }
 
-LeavingField::LeavingField(const SurfaceClusters& clusters,
-                           std::span<const ClusterRadiance> radiance, std::span<const Rgb> H,
-                           std::span<const Rgb> P, float eta, bool directional, Rgb strength)
+LeavingField::LeavingField(const SurfaceClusters& clusters, const AtClusters& fields, float eta,
+                           bool directional, Rgb strength)
     : neighbours_(clusters),
       items_(clusters.count()),
       strength_(strength),
@@ -96,30 +101,43 @@ LeavingField::LeavingField(const SurfaceClusters& clusters,
       directional_(directional),
       mean_cosine_(mean_cosine_of_leaving(eta)) {
     for (std::size_t i = 0; i < items_.size(); ++i) {
-        items_[i].rest = P[i] - H[i], items_[i].P = P[i];
+        items_[i].rest = fields.P[i] - fields.H[i], items_[i].P = fields.P[i];
+        items_[i].E = fields.E[i], items_[i].E_mu = fields.E_mu[i];
         for (std::size_t c = 0; c < 3; ++c) {
-            items_[i].even[int(c)] = radiance[i][c].even;
-            items_[i].slope[c] = radiance[i][c].slope;
+            items_[i].even[int(c)] = fields.radiance[i][c].even;
+            items_[i].slope[c] = fields.radiance[i][c].slope;
         }
     }
 }
 
-Rgb LeavingField::factor(Vec3 position, Vec3 n, Vec3 w_o) const {
+Rgb LeavingField::factor(Vec3 position, Vec3 n, Vec3 w_o, Rgb P) const {
     const float cos_o = std::clamp(glm::dot(w_o, n), 0.0f, 1.0f);
     const Vec3 w =
         directional_ ? (w_o - cos_o * n) / eta_ + cosine_inside(eta_, cos_o) * n : mean_cosine_ * n;
-    Rgb F, rest, P, factor(1);
+    float weights = 0;
+    Rgb X, rest, P_c, E, E_mu, factor(1);
     neighbours_.visit(position, n, [&](std::uint32_t i, float weight) {
         const Item& item = items_[i];
         for (int c = 0; c < 3; ++c)
-            F[c] += weight * (item.even[c] + glm::dot(item.slope[std::size_t(c)], w));
-        rest += weight * item.rest, P += weight * item.P;
+            X[c] += weight * (item.even[c] + glm::dot(item.slope[std::size_t(c)], w));
+        rest += weight * item.rest, P_c += weight * item.P;
+        E += weight * item.E, E_mu += weight * item.E_mu;
+        weights += weight;
     });
-    for (int c = 0; c < 3; ++c)
-        if (P[c] > 0)
-            factor[c] += strength_[c] * (std::clamp((std::max(0.0f, F[c]) + rest[c]) / P[c],
-                                                    ClusterRatio::kLeast, ClusterRatio::kMost) -
-                                         1);
+    const float mu = directional_ ? cosine_inside(eta_, cos_o) : mean_cosine_;
+    for (int c = 0; c < 3; ++c) {
+        if (P_c[c] <= 0) continue;
+        const float q = E[c] > 0 ? second_order(std::min(1.0f, E_mu[c] / E[c]), mu) /
+                                       second_order(1, mean_cosine_)
+                                 : 1;
+        const float M_c = std::max(0.0f, X[c]) + q * rest[c];
+        // More than the profile has is not multiplied where the profile has more than around.
+        const float as_much = M_c > P_c[c] && weights * P[c] > P_c[c]
+                                  ? 1 + (M_c - P_c[c]) / (weights * P[c])
+                                  : M_c / P_c[c];
+        factor[c] +=
+            strength_[c] * (std::clamp(as_much, ClusterRatio::kLeast, ClusterRatio::kMost) - 1);
+    }
     return factor;
 }
 

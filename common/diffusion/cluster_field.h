@@ -65,30 +65,43 @@ private:
 
 /// Exitance by the body's diffusion in place of the half-space's, as a factor of a profile's sum P:
 ///
-///     factor(x, w_o) = (X(w') + P - H) / P
+///     factor(x, w_o) = (X(w') + q (P_c - H)) / P_c
 ///
 /// with all of them interpolated between clusters, X for the direction w' that refracts into w_o,
-/// and such that pi L = F_t(w_o) / (2 * integral of F_t mu) M. What the half-space's diffusion
-/// misses of the profile, P - H, is added: light that scatters only twice or thrice, near where it
-/// entered.
+/// and such that pi L = F_t(w_o) / (2 * integral of F_t mu) M. Where both the factor is above 1 and
+/// P above P_c, what is above P_c is added to P. What the half-space's diffusion misses of the
+/// profile, P_c - H, is added: light that scatters only twice or thrice, near where it entered.
+/// There is more of it where light enters and leaves at an angle: q is the second order's part of
+/// that, in a half-space without an interface,
 ///
-/// Source   docs/BODY_AWARE.md.
+///     q = (f(mu_0) + f(mu)) / (mu_0 + mu) / (the same for what P is of),   f(mu) = mu ln(1 + 1 /
+///     mu)
+///
+/// mu_0 and mu being the cosines inside of light that enters near x, in the mean, and of w'.
+///
+/// Source   docs/BODY_AWARE.md; f from Chandrasekhar's H function to first order in the albedo.
 class LeavingField {
 public:
     using ClusterRadiance = std::array<LeavingRadiance, 3>;
 
-    /// All [cluster]. Without `directional` light leaves alike in all directions.
-    LeavingField(const SurfaceClusters& clusters, std::span<const ClusterRadiance> radiance,
-                 std::span<const Rgb> H, std::span<const Rgb> P, float eta, bool directional,
-                 Rgb strength);
+    /// What is known at the clusters: X, H, P, and the flux that enters, E, by itself and times its
+    /// cosine inside; W/mm^2.
+    struct AtClusters {
+        std::span<const ClusterRadiance> radiance;
+        std::span<const Rgb> H, P, E, E_mu;
+    };
 
-    /// At a point of the surface [mm] with its unit normal, towards w_o (unit, outside); 1 where
-    /// nothing is known. Clamped as ClusterRatio is.
-    Rgb factor(Vec3 position, Vec3 n, Vec3 w_o) const;
+    /// Without `directional` light leaves alike in all directions.
+    LeavingField(const SurfaceClusters& clusters, const AtClusters& fields, float eta,
+                 bool directional, Rgb strength);
+
+    /// Of the profile's sum P [W/mm^2] at a point of the surface [mm] with its unit normal, towards
+    /// w_o (unit, outside); 1 where nothing is known. Clamped as ClusterRatio is.
+    Rgb factor(Vec3 position, Vec3 n, Vec3 w_o, Rgb P) const;
 
 private:
     struct Item {
-        Rgb even, rest, P;  // rest: P - H
+        Rgb even, rest, P, E, E_mu;  // rest: P - H
         std::array<Vec3, 3> slope;
     };
     ClusterNeighbours neighbours_;

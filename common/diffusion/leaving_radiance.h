@@ -38,6 +38,12 @@ std::array<double, N> decay_weights(const std::array<double, N>& z, double m) {
 struct LeavingRadiance {
     float even = 0;
     Vec3 slope{0};
+
+    float at(Vec3 w) const { return even + glm::dot(slope, w); }
+    void add(float scale, const LeavingRadiance& b) {
+        even += scale * b.even;
+        slope += scale * b.slope;
+    }
 };
 
 /// Cosines inside of light that leaves evenly, L outside being F_t: their mean.

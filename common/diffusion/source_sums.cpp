@@ -7,8 +7,10 @@
 #include <numbers>
 
 #include "common/base/parallel.h"
+#include "common/diffusion/leaving_once.h"
 #include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/light_balance.h"
+#include "common/diffusion/sunflower.h"
 #include "common/optics/fresnel.h"
 
 namespace tallow {
@@ -34,26 +36,23 @@ constexpr float kFarFromCell = 9;
 // they are about as wide then as sources lie deep. Measured on the bunny: 1 to 25 are alike.
 constexpr double kSplitArea = 9;
 
-// Light on its way is known to the tolerance down to this part of its mean: in the dark all light
-// is diffuse.
-constexpr float kDarkOnItsWay = 0.02f;
+// Height above a half-space, mean free paths, at which the fluence of light that scattered once
+// says how much of it leaves there. It is a smooth function of the distance along the surface, in
+// which samples do not show; together it is as much as leaves. Of a body LeavingOnce adds up what
+// does.
+constexpr double kAbove = 0.5;
 
 // Mean cosine inside of ways on which light leaves.
 constexpr double kMeanCosine = 0.85;
 
 Vec3 tangential(Vec3 w, Vec3 n) { return w - glm::dot(w, n) * n; }
 
-/// Points spread evenly over the unit disc: a sunflower.
-std::array<Vec2, kCellPoints> make_disc() {
-    constexpr float kGoldenAngle = 2.39996323f;
+// A cell of the radius 1.
+const std::array<Vec2, kCellPoints> kDisc = [] {
     std::array<Vec2, kCellPoints> points;
-    for (int k = 0; k < kCellPoints; ++k) {
-        const float r = std::sqrt((float(k) + 0.5f) / kCellPoints), angle = kGoldenAngle * float(k);
-        points[std::size_t(k)] = {r * std::cos(angle), r * std::sin(angle)};
-    }
+    for (int k = 0; k < kCellPoints; ++k) points[std::size_t(k)] = sunflower_point(k, kCellPoints);
     return points;
-}
-const std::array<Vec2, kCellPoints> kDisc = make_disc();
+}();
 
 /// Mean of a kernel over a disc of a sample's area in its tangent plane, at `d` from its middle.
 class Cell {
@@ -136,12 +135,19 @@ KernelTable tabulate_inside(const ChannelDiffusion& k, double alpha_prime, doubl
     return tabulate(kernel, unit, mfp, range);
 }
 
-KernelTable tabulate_on_its_way(const ChannelDiffusion& k, double unit, double mfp) {
-    const auto kernel = [&](double r2) {
-        const double u = r2 + kSoftening * kSoftening * mfp * mfp;
-        return k.D * std::exp(-std::sqrt(u) / mfp) / u;
-    };
-    return tabulate(kernel, unit, mfp, kLongestFlight * mfp);
+// Of a half-space whose light entered under the cosine mu_0 inside, with mu that of what leaves:
+//
+//     leaving = integral of T mu / (mu + mu_0),   phi_1 = integral of e^(-above / mu) / (mu + mu_0)
+double leaving_once_by_fluence(double eta) {
+    constexpr int kSteps = 2000;    // of the midpoint rule
+    constexpr double kEntry = 0.9;  // mu_0; refraction leaves no cosine below 0.64
+    double leaving = 0, phi_1 = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double mu = (i + 0.5) / kSteps;
+        leaving += double(fresnel_transmittance(float(1 / eta), float(mu))) * mu / (mu + kEntry);
+        phi_1 += std::exp(-kAbove / mu) / (mu + kEntry);
+    }
+    return leaving / phi_1;
 }
 
 // Of all depths of sources in a half-space.
@@ -151,15 +157,16 @@ KernelTable tabulate_leaving(const ReducedChannel& reduced, const LightBalance& 
     const DiffusionConstants k = diffusion_constants(reduced.absorption, reduced.eta);
     const HalfSpaceNodes nodes = half_space_nodes(reduced.alpha_prime, reduced.eta, k.s);
     const auto depths = first_scattering_rule(k.s);
+    const double once = leaving_once_by_fluence(reduced.eta);
     // Times 4 pi D, lengths in mean free paths.
     const auto from_depth = [&](double r2, double t) {
-        const double above = t + LightBalance::kAbove, u = r2 + above * above;
+        const double above = t + kAbove, u = r2 + above * above;
         double by_last_flight = 0;
         for (std::size_t n = 0; n < nodes.z.size(); ++n)
             by_last_flight +=
                 nodes.weight[n] * fluence_in_half_space(r2, t, nodes.z[n], reduced.alpha_prime, k);
         return balance.leaving(half_space_fluence(r2, t, k) / (2 * k.A),
-                               k.D * std::exp(-std::sqrt(u)) / u, by_last_flight);
+                               once * k.D * std::exp(-std::sqrt(u)) / u, by_last_flight);
     };
     const auto kernel = [&](double r2) {
         double sum = 0;
@@ -178,16 +185,16 @@ std::array<double, 5> depths_of(const DecayRule<5>& rule) {
 
 }  // namespace
 
-SourceKernels::SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
+SourceKernels::SourceKernels(const ReducedChannel& of, const ChannelDiffusion& channel,
                              const LightBalance& balance, double range)
-    : unit(KernelTable::unit_near(1 / reduced.sigma_t_prime)),
+    : reduced(of),
+      unit(KernelTable::unit_near(1 / reduced.sigma_t_prime)),
       kappa(kappa_of(reduced)),
       depths(first_scattering_rule(kappa)),
       depth(depths_of(depths)),
       factor(reduced.alpha_prime / (4 * std::numbers::pi * channel.D)),
       in_infinite_medium(tabulate_infinite(channel, unit, 1 / reduced.sigma_t_prime, range)),
       inside(tabulate_inside(channel, reduced.alpha_prime, unit, 1 / reduced.sigma_t_prime, range)),
-      on_its_way(tabulate_on_its_way(channel, unit, 1 / reduced.sigma_t_prime)),
       leaving(tabulate_leaving(reduced, balance, unit, range)) {}
 
 SourceSums::SourceSums(const EnteringLight& light, const SourceKernels& kernels,
@@ -212,13 +219,18 @@ std::vector<double> SourceSums::inside(std::span<const Vec3> points,
     return sum(on_flights_, kernels_.inside, points, own_sample);
 }
 
-std::vector<double> SourceSums::on_its_way_out(std::span<const Vec3> places,
-                                               std::span<const Vec3> normals) const {
-    std::vector<Vec3> above(places.size());
-    for (std::size_t i = 0; i < above.size(); ++i)
-        above[i] = places[i] + float(LightBalance::kAbove * mfp_) * normals[i];
-    return sum(on_flights_, kernels_.on_its_way, above, std::vector<std::int64_t>(above.size(), -1),
-               kDarkOnItsWay);
+std::vector<double> SourceSums::leaving_once(std::span<const Vec3> places,
+                                             std::span<const Vec3> normals) const {
+    double area = 0;
+    for (const float a : light_.area) area += double(a);
+    const LeavingOnce once(kernels_.reduced, on_flights_.sum.tree(),
+                           area / double(light_.area.size()));
+    std::vector<double> result(places.size());
+    parallel_ranges(result.size(), 16, [&](std::size_t begin, std::size_t end) {
+        OnceSources near;
+        for (std::size_t i = begin; i < end; ++i) result[i] = once.at(places[i], normals[i], near);
+    });
+    return result;
 }
 
 std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,
@@ -270,11 +282,10 @@ SourceSums::Sources SourceSums::make_sources(const KernelTable& kernel, std::uin
 // [place] of the sum, with cells in the place of samples that are near.
 std::vector<double> SourceSums::sum(const Sources& sources, const KernelTable& kernel,
                                     std::span<const Vec3> places,
-                                    std::span<const std::int64_t> own_sample, float dark) const {
+                                    std::span<const std::int64_t> own_sample) const {
     const PointSum point_sum(sources.sum, kernel);
     std::vector<float> sums(places.size()), evaluations(places.size());
-    point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}},
-                       dark);
+    point_sum.evaluate(TargetGroups(places, kernels_.unit), kSumTolerance, {sums, evaluations, {}});
     std::vector<double> result(sums.size());
     parallel_for(result.size(), 64, [&](std::size_t i) {
         const double own = own_sample[i] < 0

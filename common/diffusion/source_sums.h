@@ -32,20 +32,20 @@ struct EnteringLight {
 /// in_infinite_medium   e^(-s d) / d
 /// inside               alpha' e^(-s d) / d + D e^(-sigma_t' d) / d^2: Grosjean's two parts, light
 ///                      that has scattered once more, and light that is on its way to
-/// on_its_way           the second part of `inside` alone
 /// leaving              what leaves of a half-space by the balance of light, all depths of sources
 ///                      together: the counterpart of what `inside` and the layers are for a body
 struct SourceKernels {
     /// Out to `range` mm.
-    SourceKernels(const ReducedChannel& reduced, const ChannelDiffusion& channel,
+    SourceKernels(const ReducedChannel& of, const ChannelDiffusion& channel,
                   const LightBalance& balance, double range);
 
+    ReducedChannel reduced;
     double unit;                  // mm
     double kappa;                 // decay of light deep inside, 1 / mean free path
     DecayRule<5> depths;          // of sources along a flight
     std::array<double, 5> depth;  // the same on a way without end, mean free paths
     double factor;                // of all kernels: alpha' / (4 pi D)
-    KernelTable in_infinite_medium, inside, on_its_way, leaving;
+    KernelTable in_infinite_medium, inside, leaving;
 };
 
 /// What light does from where it scatters first, at a few depths along its refracted beams, in one
@@ -66,10 +66,9 @@ public:
     std::vector<double> inside(std::span<const Vec3> points,
                                std::span<const std::int64_t> own_sample) const;
 
-    /// Fluence of light that scattered once and is on its way, above places of the surface, as if
-    /// the medium went on there.
-    std::vector<double> on_its_way_out(std::span<const Vec3> places,
-                                       std::span<const Vec3> normals) const;
+    /// Exitance of light that scattered once, see LeavingOnce.
+    std::vector<double> leaving_once(std::span<const Vec3> places,
+                                     std::span<const Vec3> normals) const;
 
     /// H: exitance of the half-space that has these sources.
     std::vector<double> leaving_half_space(std::span<const Vec3> places,
@@ -87,8 +86,8 @@ private:
     template <class Put>
     Sources make_sources(const KernelTable& kernel, std::uint32_t layers, const Put& put) const;
     std::vector<double> sum(const Sources& sources, const KernelTable& kernel,
-                            std::span<const Vec3> places, std::span<const std::int64_t> own_sample,
-                            float dark = PointSum::kDark) const;
+                            std::span<const Vec3> places,
+                            std::span<const std::int64_t> own_sample) const;
     double own_cell(const Sources& sources, const KernelTable& kernel, Vec3 place,
                     std::size_t sample) const;
 

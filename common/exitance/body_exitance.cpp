@@ -9,10 +9,12 @@
 namespace tallow {
 namespace {
 
-// Clusters of a body at a tolerance of 1 %; their number is inverse to the tolerance. Chosen for
-// time: docs/BODY_AWARE.md has error, time and memory against their number.
+// Clusters of a body at a tolerance of 1 %; their number is inverse to the tolerance. Bodies whose
+// normals differ on clusters by more than kVariance at 1 % (armadillo) have more of them. Chosen
+// for time: docs/BODY_AWARE.md has error, time and memory against their number.
 constexpr std::size_t kLeastClusters = 1000;
-constexpr double kMostClusters = 2000, kMostClustersEver = 32000;
+constexpr double kFewClusters = 2000, kManyClusters = 8000, kMostClusters = 32000;
+constexpr double kVariance = 0.025;
 
 // Light cannot tell a surface from one that is smoothed over a mean free path: clusters need not be
 // smaller. `solved` are the channels that count.
@@ -23,9 +25,12 @@ ClusterWish cluster_wish(const DiffusionWish& wish, double area, Rgb mean_free_p
     double length = double(kInfinity);
     for (int c = 0; c < 3; ++c)
         if (solved[std::size_t(c)]) length = std::min(length, double(mean_free_path[c]));
-    const double most =
-        std::min({kMostClusters * 0.01 / tolerance, kMostClustersEver, area / (length * length)});
-    return {kLeastClusters, std::max(kLeastClusters, std::size_t(most)), tolerance};
+    const auto at_most = [&](double count) {
+        const double clusters = std::min({count, kMostClusters, area / (length * length)});
+        return std::max(kLeastClusters, std::size_t(clusters));
+    };
+    const double finer = 0.01 / tolerance;
+    return {at_most(kFewClusters * finer), at_most(kManyClusters * finer), kVariance / finer};
 }
 
 // Samples that are farther apart than light travels cannot tell what the light does near them: the
@@ -140,8 +145,10 @@ ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::So
         P = at_clusters(ExitanceField(body_, lit, profiles, accuracy, shifts_));
     else
         P = at_clusters(field);
-    field.correct(LeavingField(diffusion_->clusters(), solution.radiance, solution.fine.H, P,
-                               medium_.eta, directional_, strength_));
+    field.correct(
+        LeavingField(diffusion_->clusters(),
+                     {solution.radiance, solution.fine.H, P, solution.entry.E, solution.entry.E_mu},
+                     medium_.eta, directional_, strength_));
     return field;
 }
 

@@ -94,7 +94,7 @@ Exitance ExitanceField::gather(std::span<const ExitancePoint> points) const {
     parallel_for(points.size(), kGrain, [&](std::size_t i) {
         if (to_body_) {
             const ExitancePoint& at = points[i];
-            const Rgb factor = to_body_->factor(at.position, at.n, at.w_o);
+            const Rgb factor = to_body_->factor(at.position, at.n, at.w_o, result.M[i]);
             result.M[i] *= factor;
             if (accuracy_.certified) result.bound[i] *= factor;
         }

@@ -37,6 +37,10 @@ float certified_threshold_for(float tolerance) { return 0.008f * std::pow(tolera
 // A group's sums may be so much less than estimated before it is summed again.
 constexpr float kOverestimated = 2;
 
+// Sums below this part of the mean over all groups need not be exact to the tolerance: no metric or
+// eye would see it, and exponentially dark points would otherwise cost the most.
+constexpr float kDark = 1e-3f;
+
 constexpr int kRounds = 4;
 constexpr double kTableMargin = 1.5;  // the table's error is measured at places, not everywhere
 
@@ -88,8 +92,7 @@ void PointSum::put(const TargetGroups& targets, std::size_t group, const GroupSu
     }
 }
 
-void PointSum::evaluate(const TargetGroups& targets, float tolerance, const Output& output,
-                        float dark) const {
+void PointSum::evaluate(const TargetGroups& targets, float tolerance, const Output& output) const {
     TALLOW_CHECK(targets.unit() == kernel_.unit(), "units {} and {}", targets.unit(),
                  kernel_.unit());
     if (tree_->blocks().empty()) {
@@ -101,7 +104,7 @@ void PointSum::evaluate(const TargetGroups& targets, float tolerance, const Outp
     double mean = 0;
     for (std::size_t g = 0; g < estimates.size(); ++g)
         mean += double(estimates[g]) * targets.groups()[g].points / double(targets.order().size());
-    const float least = dark * float(mean);
+    const float least = kDark * float(mean);
     const NodeThresholds thresholds = thresholds_for(tolerance);
     parallel_ranges(estimates.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         GroupSumState state;

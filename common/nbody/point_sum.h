@@ -32,7 +32,6 @@ public:
         std::span<float> evaluations;  // of the kernel; what a group shares is divided among it
         std::span<float> bound{};      // of the error of sum[]; certify() only
     };
-    static constexpr float kDark = 1e-3f;
     struct Certification {
         std::size_t repeated = 0;     ///< targets whose group needed more than one round
         std::size_t uncertified = 0;  ///< targets whose bound exceeds what was asked for
@@ -47,11 +46,8 @@ public:
     /// Sums whose measured relative error stays below `tolerance`, in (0, 1): the root mean square
     /// over all targets, over their mean. Not a bound, and measured for kernels that fall; a kernel
     /// that rises first can miss it by half, one as wide as a few nodes by twice. The same for any
-    /// number of threads. Sums below the part `dark` of the mean over all groups are only found to
-    /// the tolerance of that: no metric or eye would see it, and exponentially dark points would
-    /// otherwise cost the most.
-    void evaluate(const TargetGroups& targets, float tolerance, const Output& output,
-                  float dark = kDark) const;
+    /// number of threads.
+    void evaluate(const TargetGroups& targets, float tolerance, const Output& output) const;
 
     /// Sums with |sum - M| <= bound <= tolerance * M for each target, M the exact sum with the
     /// exact kernel. Targets where float arithmetic or the kernel's table cannot give that are

@@ -296,27 +296,6 @@ TEST(PointSum, FewTargetsAmongManySamples) {
     }
 }
 
-// What is dark costs less, and what is light stays as it is.
-TEST(PointSum, DarkSumsMayBeCoarse) {
-    const WeightedCloud cloud = shell(20000);
-    const Kernel kernel =
-        kernel_of([](double r2) { return std::exp(-3 * std::sqrt(r2 + 0.1)); }, 1);
-    const PointSum sums = sum_over(cloud, kernel.table);
-    std::vector<Vec3> targets;
-    for (const Vec3& x : cloud.positions) targets.push_back(1.5f * x);
-    const Reference reference(cloud, targets, kernel);
-    const TargetGroups groups(targets, kernel.table.unit());
-    double evaluations[2];
-    for (const bool coarse : {false, true}) {
-        Result result(targets.size());
-        sums.evaluate(groups, 0.01f, {result.sum, result.evaluations}, coarse ? 1.0f : 1e-3f);
-        EXPECT_LT(reference.error(result), 0.01);
-        evaluations[coarse] =
-            std::accumulate(result.evaluations.begin(), result.evaluations.end(), 0.0);
-    }
-    EXPECT_LT(evaluations[1], 0.9 * evaluations[0]);
-}
-
 TEST(PointSum, IsZeroBeyondTheRangeOfTheKernel) {
     const WeightedCloud cloud = shell(3000);
     const Kernel kernel = gaussian(1);
