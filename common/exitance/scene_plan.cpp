@@ -204,8 +204,8 @@ private:
     // Whether refracted paths take long. Roughly, on a busy machine: a place takes 2 us along a
     // straight line; along refracted paths from a quad 3 us on the bunny in marble (115 triangles
     // in reach) and 9 us in skin1 (930), and on the interpolated normals of scenes/demo.yaml 7 us
-    // for each lamp. The limits are chosen, right before fast: bunny and armadillo in skin lack up to
-    // 11 % of their light along straight lines. What pass two then takes is in docs/PLAN.md.
+    // for each lamp. The limits are chosen, right before fast: bunny and armadillo in skin lack up
+    // to 11 % of their light along straight lines. What pass two then takes is in docs/PLAN.md.
     bool is_costly(const SubsurfaceMaterial& material) const {
         constexpr double kFewInReach = 1200;
         constexpr std::size_t kFewTriangles = 1000;
