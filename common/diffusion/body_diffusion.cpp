@@ -131,16 +131,15 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         fields->B.assign(n, Rgb(0)), fields->H.assign(n, Rgb(0));
     }
     result.radiance.resize(clusters().count());
-    result.entry = {std::vector<Rgb>(clusters().count()), std::vector<Rgb>(clusters().count())};
+    const std::vector<std::int64_t> lit = find_lit(light, samples_.size());
+    result.entry = find_entry(light, lit);
     if (light.position.empty()) return result;
     std::vector<Vec3> places = fine_.clusters.position;
     places.insert(places.end(), coarse_.clusters.position.begin(), coarse_.clusters.position.end());
     std::vector<std::uint32_t> nearest = fine_.clusters.nearest;
     nearest.insert(nearest.end(), coarse_.clusters.nearest.begin(), coarse_.clusters.nearest.end());
-    const std::vector<std::int64_t> lit = find_lit(light, samples_.size());
     std::vector<std::int64_t> own(nearest.size());
     std::ranges::transform(nearest, own.begin(), [&](std::uint32_t i) { return lit[i]; });
-    result.entry = find_entry(light, lit);
     std::array<ChannelReport, 3> reports;
     parallel_for(3, 1, [&](std::size_t c) {
         if (!solved_[c]) return;
@@ -268,13 +267,16 @@ void BodyDiffusion::say_how_much(int c, const std::vector<double>& leaving_once,
     const ReducedChannel reduced = reduced_channel(medium_, c);
     const LightBalance balance(reduced, orders_);
     const float mean_cosine = mean_cosine_of_leaving(medium_.eta);
+    // Where no way back has any length, light leaves evenly.
+    constexpr float kLeastScattered = 1e-4f;
     parallel_for(leaving_once.size(), 256, [&](std::size_t i) {
         const Vec3 mean_way = mean_cosine * fine_.clusters.normal[i];
         std::array<float, LeavingRays::kDirections> scattered{};
         for (std::size_t d = 0; d < scattered.size(); ++d)
-            scattered[d] =
+            scattered[d] = std::max(
+                kLeastScattered,
                 float(Collisions(leaving_[i * scattered.size() + d], 1 / reduced.sigma_t_prime)
-                          .probability());
+                          .probability()));
         const LeavingRadiance shape = LeavingRays(fine_.clusters.normal[i]).fit(scattered);
         LeavingRadiance& X = result.radiance[i][std::size_t(c)];
         const double mean = double(X.at(mean_way));

@@ -248,15 +248,18 @@ TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     }
 }
 
+std::vector<LeavingField::ClusterRadiance> even_radiance(std::size_t clusters, float X) {
+    const LeavingRadiance even{X, Vec3(0)};
+    return std::vector<LeavingField::ClusterRadiance>(clusters, {even, even, even});
+}
+
 // Twice as much light as the profile has around: a place where the profile has ten times as much
 // gets no more of it than its neighbours do, one where it has less is multiplied.
 TEST(LeavingField, BrightPlacesAreNotMultiplied) {
     const LitSurface block = lit_plate(4, 0.5);
     const BodyDiffusion diffusion = diffusion_in(block, medium(0.3f));
     const std::size_t n = diffusion.clusters().count();
-    std::vector<LeavingField::ClusterRadiance> radiance(n);
-    for (auto& of_cluster : radiance)
-        for (LeavingRadiance& X : of_cluster) X.even = 2;
+    const auto radiance = even_radiance(n, 2);
     const std::vector<Rgb> ones(n, Rgb(1)), none(n, Rgb(0));
     const LeavingField field(diffusion.clusters(), {radiance, ones, ones, none, none}, 1.5f, false,
                              Rgb(1));
@@ -273,9 +276,7 @@ TEST(LeavingField, ObliqueLightScattersTwiceMoreOften) {
     const LitSurface block = lit_plate(4, 0.5);
     const BodyDiffusion diffusion = diffusion_in(block, medium(0.3f));
     const std::size_t n = diffusion.clusters().count();
-    std::vector<LeavingField::ClusterRadiance> radiance(n);
-    for (auto& of_cluster : radiance)
-        for (LeavingRadiance& X : of_cluster) X.even = 1;
+    const auto radiance = even_radiance(n, 1);
     const std::vector<Rgb> P(n, Rgb(1.5f)), H(n, Rgb(1));
     const Vec3 x = diffusion.clusters().position[n / 2],
                normal = diffusion.clusters().normal[n / 2];
