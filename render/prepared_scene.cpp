@@ -152,7 +152,7 @@ PreparedBody PreparedScene::prepare_body(const BodyView& view, std::optional<Pre
              : BodyExitance(view, scene_, orders, ExitanceUse::seen,
                             flights_in(rays_, view.object, material.medium.eta),
                             DiffusionWish{double(source.tolerance)});
-    const Rgb gain = indirect_bounces(scene_) > 0 ? indirect_gain(material) : Rgb(0);
+    const Rgb gain = indirect_bounces(scene_) > 0 ? exitance_of.indirect_gain() : Rgb(0);
     GroupDiffusion diffusion{gain, {}};
     if (same && before->diffusion.indirect_gain == gain) diffusion = std::move(before->diffusion);
     const BodyDiffusion::Solution solution = solve(view, exitance_of, diffusion);

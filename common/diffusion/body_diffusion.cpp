@@ -94,10 +94,9 @@ float BodyDiffusion::longest_flight(const Medium& medium) {
 }
 
 BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium,
-                             const ClusterWish& wish, const FollowFlights& follow, Orders orders,
+                             const ClusterWish& wish, const FollowFlights& follow,
                              std::array<bool, 3> solved)
     : medium_(medium),
-      orders_(orders),
       solved_(solved),
       samples_(samples),
       tree_(build_patch_tree(samples, largest_cluster_area(total(samples.area), wish.most))) {
@@ -106,7 +105,7 @@ BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium
         channels_[c] = channel_diffusion(medium, int(c));
         if (!solved[c]) return;
         const ReducedChannel reduced = reduced_channel(medium, int(c));
-        kernels_[c].emplace(reduced, channels_[c], LightBalance(reduced, orders), reach);
+        kernels_[c].emplace(reduced, channels_[c], LightBalance(reduced), reach);
     });
     const double largest = choose_largest_area(samples, tree_, wish);
     fine_.clusters = cut_clusters(samples, tree_, largest);
@@ -262,10 +261,10 @@ void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<flo
 
 // Lets the balance say how much leaves. What F misses of it is light that total reflection keeps in
 // the body: it comes from everywhere alike, and most along ways on which much scatters.
-void BodyDiffusion::say_how_much(int c, const std::vector<double>& leaving_once,
+void BodyDiffusion::say_how_much(int c, std::span<const LeavingOnce::Exitance> leaving_once,
                                  Solution& result) const {
     const ReducedChannel reduced = reduced_channel(medium_, c);
-    const LightBalance balance(reduced, orders_);
+    const LightBalance balance(reduced);
     const float mean_cosine = mean_cosine_of_leaving(medium_.eta);
     // Where no way back has any length, light leaves evenly.
     constexpr float kLeastScattered = 1e-4f;
@@ -280,8 +279,9 @@ void BodyDiffusion::say_how_much(int c, const std::vector<double>& leaving_once,
         const LeavingRadiance shape = LeavingRays(fine_.clusters.normal[i]).fit(scattered);
         LeavingRadiance& X = result.radiance[i][std::size_t(c)];
         const double mean = double(X.at(mean_way));
+        const LeavingOnce::Exitance once = leaving_once[i];
         const double missing =
-            balance.leaving(double(result.fine.B[i][c]), leaving_once[i], mean) - mean;
+            balance.leaving(double(result.fine.B[i][c]), once.all, mean) + once.part - mean;
         X.add(float(missing) / shape.at(mean_way), shape);
     });
 }

@@ -13,7 +13,6 @@
 #include "common/diffusion/source_sums.h"
 #include "common/diffusion/surface_clusters.h"
 #include "common/optics/medium.h"
-#include "common/optics/profile.h"
 
 namespace tallow {
 
@@ -38,23 +37,22 @@ class BodyDiffusion {
 public:
     /// Clusters and operators, for any light. `samples` are all of the closed surface, and what
     /// they point to must outlive this, and so must what `follow` refers to. Channels that are not
-    /// `solved` get no fields. What leaves has the orders that are asked for.
+    /// `solved` get no fields.
     BodyDiffusion(const SampledSurface& samples, const Medium& medium, const ClusterWish& wish,
-                  const FollowFlights& follow, Orders orders,
-                  std::array<bool, 3> solved = {true, true, true});
+                  const FollowFlights& follow, std::array<bool, 3> solved = {true, true, true});
 
     /// How far flights have to be followed, mm.
     static float longest_flight(const Medium& medium);
 
     struct Fields {
         std::vector<Rgb> B;  // [cluster] phi / (2 A), W/mm^2, >= 0
-        std::vector<Rgb> H;  // [cluster] exitance of the half-space, W/mm^2, >= 0
+        std::vector<Rgb> H;  // [cluster] exitance of the half-space, two scatterings and more, >= 0
     };
     /// Light that enters: its flux, and that times its cosine with the normal inside.
     struct Entry {
         std::vector<Rgb> E, E_mu;  // [fine cluster] W/mm^2
     };
-    using ClusterRadiance = std::array<LeavingRadiance, 3>;  // [channel]
+    using ClusterRadiance = std::array<LeavingRadiance, 3>;  // [channel] two scatterings and more
     /// On the clusters, and on a quarter as many for an estimate of the error. Linear in the light:
     /// those of several lights may be added.
     struct Solution {
@@ -101,10 +99,10 @@ private:
     void find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
                        std::span<const std::int64_t> own_sample,
                        std::vector<ClusterRadiance>& radiance) const;
-    void say_how_much(int c, const std::vector<double>& leaving_once, Solution& result) const;
+    void say_how_much(int c, std::span<const LeavingOnce::Exitance> leaving_once,
+                      Solution& result) const;
 
     Medium medium_;
-    Orders orders_;
     std::array<bool, 3> solved_;
     SampledSurface samples_;
     PatchTree tree_;

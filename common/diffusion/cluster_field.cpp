@@ -101,7 +101,7 @@ LeavingField::LeavingField(const SurfaceClusters& clusters, const AtClusters& fi
       directional_(directional),
       mean_cosine_(mean_cosine_of_leaving(eta)) {
     for (std::size_t i = 0; i < items_.size(); ++i) {
-        items_[i].rest = fields.P[i] - fields.H[i], items_[i].P = fields.P[i];
+        items_[i].rest = fields.rest[i], items_[i].P = fields.P[i];
         items_[i].E = fields.E[i], items_[i].E_mu = fields.E_mu[i];
         for (std::size_t c = 0; c < 3; ++c) {
             items_[i].even[int(c)] = fields.radiance[i][c].even;

@@ -65,14 +65,15 @@ private:
 
 /// Exitance by the body's diffusion in place of the half-space's, as a factor of a profile's sum P:
 ///
-///     factor(x, w_o) = (X(w') + q (P_c - H)) / P_c
+///     factor(x, w_o) = (X(w') + q rest) / P_c,   rest = P_{>= 2} - H
 ///
 /// with all of them interpolated between clusters, X for the direction w' that refracts into w_o,
 /// and such that pi L = F_t(w_o) / (2 * integral of F_t mu) M. Where both the factor is above 1 and
 /// P above P_c, what is above P_c is added to P. What the half-space's diffusion misses of the
-/// profile, P_c - H, is added: light that scatters only twice or thrice, near where it entered.
-/// There is more of it where light enters and leaves at an angle: q is the second order's part of
-/// that, in a half-space without an interface,
+/// profile is added: light that scatters only twice or thrice, near where it entered. Of what
+/// leaves after one scattering X has what the body has; the profile only tells how it is spread
+/// between clusters. There is more of the rest where light enters and leaves at an angle: q is the
+/// second order's part of that, in a half-space without an interface,
 ///
 ///     q = (f(mu_0) + f(mu)) / (mu_0 + mu) / (the same for what P is of),   f(mu) = mu ln(1 + 1 /
 ///     mu)
@@ -84,11 +85,11 @@ class LeavingField {
 public:
     using ClusterRadiance = std::array<LeavingRadiance, 3>;
 
-    /// What is known at the clusters: X, H, P, and the flux that enters, E, by itself and times its
-    /// cosine inside; W/mm^2.
+    /// What is known at the clusters: X; `rest`, P of two scatterings and more, less H; P; and the
+    /// flux that enters, E, by itself and times its cosine inside; W/mm^2.
     struct AtClusters {
         std::span<const ClusterRadiance> radiance;
-        std::span<const Rgb> H, P, E, E_mu;
+        std::span<const Rgb> rest, P, E, E_mu;
     };
 
     /// Without `directional` light leaves alike in all directions.
@@ -101,7 +102,7 @@ public:
 
 private:
     struct Item {
-        Rgb even, rest, P, E, E_mu;  // rest: P - H
+        Rgb even, rest, P, E, E_mu;
         std::array<Vec3, 3> slope;
     };
     ClusterNeighbours neighbours_;

@@ -42,7 +42,8 @@ double mean_of_disc(double height, double radius, double mean_free_path, double 
 
 }  // namespace
 
-LeavingOnce::LeavingOnce(const ReducedChannel& reduced, const SumTree& sources, double cell_area)
+LeavingOnce::LeavingOnce(const ReducedChannel& reduced, const SumTree& sources, double cell_area,
+                         std::span<const float> part)
     : sources_(sources),
       factor_(reduced.alpha_prime / (4 * std::numbers::pi) * sources.weight_scale() /
               (sources.unit() * sources.unit())),
@@ -55,6 +56,17 @@ LeavingOnce::LeavingOnce(const ReducedChannel& reduced, const SumTree& sources, 
                                double(cell_radius_), double(mean_free_path_), reduced.eta));
     for (std::size_t k = 0; k < disc_.size(); ++k)
         disc_[k] = cell_radius_ * sunflower_point(int(k), kDiscPoints);
+    if (part.empty()) return;
+    part_before_.reserve(part.size() + 1);
+    part_before_.push_back(0);
+    for (const float w : part)
+        part_before_.push_back(part_before_.back() + double(w) / sources.weight_scale());
+}
+
+// Of the weight of `count` sources.
+float LeavingOnce::part_of(std::uint32_t first, std::uint32_t count) const {
+    if (part_before_.empty()) return 0;
+    return float(part_before_[first + count] - part_before_[first]);
 }
 
 float LeavingOnce::above_disc(float height) const {
@@ -81,32 +93,35 @@ public:
             if (distance - radius > kFarthest * of_.mean_free_path_) continue;
             if (glm::dot(way, normal_) + radius <= 0) continue;  // all outside
             if (radius <= kNodeOpening * distance && distance > far())
-                near_.add(way, block.weight[lane]);
+                near_.add(way, block.weight[lane],
+                          of_.part_of(block.first[lane], block.count[lane]));
             else if (block.child[lane] != SumTree::kLeaf)
                 visit(block.child[lane]);
             else
-                for (const SumTree::Point& p :
-                     of_.sources_.points().subspan(block.first[lane], block.count[lane]))
-                    add(p);
+                for (std::uint32_t k = 0; k < block.count[lane]; ++k) add(block.first[lane] + k);
         }
     }
     /// Of discs that the place is above.
-    double below() const { return below_; }
+    Exitance below() const { return below_; }
 
 private:
     float far() const { return kFarFromDisc * of_.cell_radius_; }
 
-    void add(const SumTree::Point& p) {
+    void add(std::uint32_t source) {
+        const SumTree::Point& p = of_.sources_.points()[source];
+        const float part = of_.part_of(source, 1);
         const Vec3 way = place_ - Vec3(p.x, p.y, p.z);
         const float height = glm::dot(way, normal_), distance2 = length2(way);
         if (distance2 > far() * far()) {
-            near_.add(way, p.weight);
+            near_.add(way, p.weight, part);
         } else if (height > 0 && distance2 - height * height <
                                      kMiddle * kMiddle * of_.cell_radius_ * of_.cell_radius_) {
-            below_ += double(p.weight * of_.above_disc(height));
+            const float above = of_.above_disc(height);
+            below_.all += double(p.weight * above), below_.part += double(part * above);
         } else if (height > 0) {
             for (const Vec2& at : of_.disc_)
-                near_.add(way + at.x * frame_.s + at.y * frame_.t, p.weight / kDiscPoints);
+                near_.add(way + at.x * frame_.s + at.y * frame_.t, p.weight / kDiscPoints,
+                          part / kDiscPoints);
         }
     }
 
@@ -114,16 +129,18 @@ private:
     Vec3 place_, normal_;
     Frame frame_;
     OnceSources& near_;
-    double below_ = 0;
+    Exitance below_{0, 0};
 };
 
-double LeavingOnce::at(Vec3 place, Vec3 normal, OnceSources& near) const {
-    if (sources_.blocks().empty()) return 0;
+LeavingOnce::Exitance LeavingOnce::at(Vec3 place, Vec3 normal, OnceSources& near) const {
+    if (sources_.blocks().empty()) return {0, 0};
     near.clear();
     Gatherer gatherer(*this, place, normal, near);
     gatherer.visit(0);
     near.close();
-    return factor_ * (gatherer.below() + double(once_sum()(near, normal, mean_free_path_, eta_)));
+    const Exitance below = gatherer.below();
+    const OnceSums sums = once_sum()(near, normal, mean_free_path_, eta_);
+    return {factor_ * (below.all + double(sums.all)), factor_ * (below.part + double(sums.part))};
 }
 
 }  // namespace tallow

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "common/base/vec.h"
 #include "common/diffusion/once_sum.h"
@@ -23,12 +26,18 @@ namespace tallow {
 /// Domain   distances are straight, also across hollows.
 class LeavingOnce {
 public:
-    /// `sources` must outlive this; `cell_area` [mm^2] is that of their cells in the mean.
-    LeavingOnce(const ReducedChannel& reduced, const SumTree& sources, double cell_area);
+    /// `sources` must outlive this; `cell_area` [mm^2] is that of their cells in the mean. `part`
+    /// [source] is what of their weights is also added up by itself; empty: nothing.
+    LeavingOnce(const ReducedChannel& reduced, const SumTree& sources, double cell_area,
+                std::span<const float> part = {});
 
-    /// At a place of the surface [mm] with its unit normal; W/mm^2 if weights are W. `near` is room
-    /// for what is added up, to be used again.
-    double at(Vec3 place, Vec3 normal, OnceSources& near) const;
+    /// Of all light, and of the part; W/mm^2 if weights are W.
+    struct Exitance {
+        double all, part;
+    };
+    /// At a place of the surface [mm] with its unit normal. `near` is room for what is added up, to
+    /// be used again.
+    Exitance at(Vec3 place, Vec3 normal, OnceSources& near) const;
 
 private:
     static constexpr int kHeights = 64;
@@ -36,10 +45,12 @@ private:
     class Gatherer;
 
     float above_disc(float height) const;
+    float part_of(std::uint32_t first, std::uint32_t count) const;
 
     const SumTree& sources_;
     double factor_;
     float eta_, mean_free_path_, cell_radius_;  // units of the tree
+    std::vector<double> part_before_;           // [source], empty without a part
     /// What a disc of the weight 1 does to a place above its middle, by its height in steps of
     /// cell_radius_ / kHeights * kFarFromDisc.
     std::array<float, kHeights + 2> above_disc_;

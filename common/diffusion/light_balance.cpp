@@ -5,9 +5,9 @@
 #include <cmath>
 
 namespace tallow {
-LightBalance::LightBalance(const ReducedChannel& reduced, Orders orders)
+
+LightBalance::LightBalance(const ReducedChannel& reduced)
     : weight_(std::max(0.0, 1 - 1.5 * std::sqrt(1 - reduced.alpha_prime))),
-      alpha_prime_(reduced.alpha_prime),
-      of_first_(orders == Orders::all ? 1 : 0) {}
+      alpha_prime_(reduced.alpha_prime) {}
 
 }  // namespace tallow

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "common/optics/diffusion.h"
-#include "common/optics/profile.h"
 
 namespace tallow {
 
@@ -13,22 +12,21 @@ namespace tallow {
 ///     M = weight alpha' (B - M_1) + (1 - weight) (by the last flight)
 ///     weight = max(0, 1 - 1.5 sqrt(1 - alpha'))
 ///
-/// With Orders::all M_1 is added again. The second estimate knows that no light is lost, the first
-/// how absorption acts; the weight is chosen by transport in slabs.
+/// The second estimate knows that no light is lost, the first how absorption acts; the weight is
+/// chosen by transport in slabs.
 ///
 /// Error    of slabs, bars and balls: docs/BODY_AWARE.md.
 class LightBalance {
 public:
-    LightBalance(const ReducedChannel& reduced, Orders orders);
+    explicit LightBalance(const ReducedChannel& reduced);
 
     /// All W/mm^2. Linear in the light.
     double leaving(double B, double once, double by_last_flight) const {
-        return weight_ * alpha_prime_ * (B - once) + (1 - weight_) * by_last_flight +
-               of_first_ * once;
+        return weight_ * alpha_prime_ * (B - once) + (1 - weight_) * by_last_flight;
     }
 
 private:
-    double weight_, alpha_prime_, of_first_;
+    double weight_, alpha_prime_;
 };
 
 }  // namespace tallow

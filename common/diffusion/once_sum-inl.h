@@ -36,9 +36,9 @@ HWY_INLINE WayVector twice_transmitted(WayVector mu, float eta) {
     return hn::IfThenElseZero(leaves, hn::Sub(hn::Set(d, 2), hn::MulAdd(p, p, hn::Mul(s, s))));
 }
 
-float sum_once(const OnceSources& sources, Vec3 normal, float mean_free_path, float eta) {
+OnceSums sum_once(const OnceSources& sources, Vec3 normal, float mean_free_path, float eta) {
     const Ways d;
-    auto sum = hn::Zero(d);
+    auto all = hn::Zero(d), part = hn::Zero(d);
     for (std::size_t k = 0; k < sources.x.size(); k += hn::MaxLanes(d)) {
         const auto x = hn::LoadU(d, &sources.x[k]), y = hn::LoadU(d, &sources.y[k]),
                    z = hn::LoadU(d, &sources.z[k]);
@@ -52,9 +52,11 @@ float sum_once(const OnceSources& sources, Vec3 normal, float mean_free_path, fl
         const auto decayed = hn::Exp(d, hn::Max(depth, hn::Set(d, -80)));
         const auto term = hn::Mul(hn::Mul(decayed, twice_transmitted(mu, 1 / eta)),
                                   hn::Mul(mu, hn::Mul(inverse, inverse)));
-        sum = hn::MulAdd(hn::LoadU(d, &sources.weight[k]), term, sum);
+        all = hn::MulAdd(hn::LoadU(d, &sources.weight[k]), term, all);
+        part = hn::MulAdd(hn::LoadU(d, &sources.part[k]), term, part);
     }
-    return 0.5f * hn::GetLane(hn::SumOfLanes(d, sum));
+    return {0.5f * hn::GetLane(hn::SumOfLanes(d, all)),
+            0.5f * hn::GetLane(hn::SumOfLanes(d, part))};
 }
 
 OnceSum once_function() { return sum_once; }

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "common/base/parallel.h"
-#include "common/diffusion/leaving_once.h"
 #include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/light_balance.h"
 #include "common/diffusion/sunflower.h"
@@ -219,18 +218,31 @@ std::vector<double> SourceSums::inside(std::span<const Vec3> points,
     return sum(on_flights_, kernels_.inside, points, own_sample);
 }
 
-std::vector<double> SourceSums::leaving_once(std::span<const Vec3> places,
-                                             std::span<const Vec3> normals) const {
+std::vector<LeavingOnce::Exitance> SourceSums::leaving_once(std::span<const Vec3> places,
+                                                            std::span<const Vec3> normals) const {
     double area = 0;
     for (const float a : light_.area) area += double(a);
     const LeavingOnce once(kernels_.reduced, on_flights_.sum.tree(),
-                           area / double(light_.area.size()));
-    std::vector<double> result(places.size());
+                           area / double(light_.area.size()), first_order_on_flights());
+    std::vector<LeavingOnce::Exitance> result(places.size());
     parallel_ranges(result.size(), 16, [&](std::size_t begin, std::size_t end) {
         OnceSources near;
         for (std::size_t i = begin; i < end; ++i) result[i] = once.at(places[i], normals[i], near);
     });
     return result;
+}
+
+// [source] flux.
+std::vector<float> SourceSums::first_order_on_flights() const {
+    if (light_.first_order.empty()) return {};
+    std::vector<float> flux(on_flights_.nodes.size());
+    parallel_for(light_.area.size(), 4096, [&](std::size_t i) {
+        put_on_flight(i, [&](std::size_t layer, Vec3, double share) {
+            flux[on_flights_.nodes.point(i, std::uint32_t(layer))] =
+                float(share) * light_.area[i] * light_.first_order[i][c_];
+        });
+    });
+    return flux;
 }
 
 std::vector<double> SourceSums::leaving_half_space(std::span<const Vec3> places,

@@ -9,6 +9,7 @@
 #include "common/diffusion/boundary_sum.h"
 #include "common/diffusion/flight.h"
 #include "common/diffusion/layered_nodes.h"
+#include "common/diffusion/leaving_once.h"
 #include "common/diffusion/light_balance.h"
 #include "common/nbody/point_sum.h"
 #include "common/optics/diffusion.h"
@@ -25,6 +26,9 @@ struct EnteringLight {
     std::span<const Flight> flights;       // [sample] until it scatters, along w_i at first
     std::span<const std::uint32_t> index;  // [sample] in the SampledSurface
     std::span<const OctreeNode> nodes;
+    /// [sample] part of E_t whose light is wanted also where it leaves after one scattering, for
+    /// that is not computed elsewhere. Empty: none of it.
+    std::span<const Rgb> first_order{};
 };
 
 /// How sources act, by the square of the distance [mm^2], in one channel of a medium.
@@ -66,9 +70,9 @@ public:
     std::vector<double> inside(std::span<const Vec3> points,
                                std::span<const std::int64_t> own_sample) const;
 
-    /// Exitance of light that scattered once, see LeavingOnce.
-    std::vector<double> leaving_once(std::span<const Vec3> places,
-                                     std::span<const Vec3> normals) const;
+    /// Exitance of light that scattered once, see LeavingOnce: all of it, and what is wanted.
+    std::vector<LeavingOnce::Exitance> leaving_once(std::span<const Vec3> places,
+                                                    std::span<const Vec3> normals) const;
 
     /// H: exitance of the half-space that has these sources.
     std::vector<double> leaving_half_space(std::span<const Vec3> places,
@@ -79,6 +83,7 @@ private:
         LayeredNodes nodes;
         PointSum sum;
     };
+    std::vector<float> first_order_on_flights() const;
     template <class Add>
     void put_on_flight(std::size_t i, const Add& add) const;
     template <class Add>

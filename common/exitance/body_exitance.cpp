@@ -55,8 +55,9 @@ ExitanceShifts shifts_of(const SubsurfaceMaterial& material) {
 
 BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orders, ExitanceUse use,
                            FollowFlights follow, DiffusionWish wish)
-    : body_(body), use_(use), follow_(std::move(follow)) {
+    : body_(body), use_(use), orders_(orders), profile_gain_(1), follow_(std::move(follow)) {
     const SubsurfaceMaterial& material = *subsurface(scene, body.object);
+    if (orders != Orders::all) profile_gain_ = tallow::indirect_gain(material);
     kernels_.emplace(
         make_exitance_kernels(material.model, material.medium, orders, body.spacing_mm));
     shifts_ = shifts_of(material);
@@ -67,12 +68,21 @@ BodyExitance::BodyExitance(const BodyView& body, const Scene& scene, Orders orde
     std::array<bool, 3> solved;
     for (int c = 0; c < 3; ++c) solved[std::size_t(c)] = strength_[c] > 0;
     medium_ = material.medium;
+    for (int c = 0; c < 3; ++c) first_order_[c] = float(first_order_marched(medium_, c));
+    if (orders == Orders::all)
+        two_and_more_.emplace(make_exitance_kernels(material.model, material.medium,
+                                                    Orders::two_and_more, body.spacing_mm));
     directional_ = material.exit == Exit::directional;
     // Where light leaves by its direction, that says where it came from.
     if (directional_) shifts_.exit = {};
     diffusion_.emplace(SampledSurface{body.positions, body.normals, body.areas}, material.medium,
                        cluster_wish(wish, body.area_mm2, material.medium.mean_free_path(), solved),
-                       follow_, orders, solved);
+                       follow_, solved);
+}
+
+Rgb BodyExitance::indirect_gain() const {
+    if (!diffusion_) return profile_gain_;
+    return Rgb(1) + (Rgb(1) - strength_) * (profile_gain_ - Rgb(1));
 }
 
 BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit) const {
@@ -84,8 +94,22 @@ BodyDiffusion::Solution BodyExitance::solve(const LitSamples& lit) const {
     }
     const std::vector<Flight> flights =
         follow_(lit.position, lit.normal, w, BodyDiffusion::longest_flight(medium_));
-    return diffusion_->solve(
-        {lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, flights, lit.index, lit.nodes});
+    const std::vector<Rgb> once = first_order(lit);
+    return diffusion_->solve({lit.position, lit.normal, lit.w_i, lit.E_t, lit.area, flights,
+                              lit.index, lit.nodes, once});
+}
+
+// Light that is to leave also after one scattering: where that is not marched for direct light, all
+// of it, else indirect light. Empty if there is none.
+std::vector<Rgb> BodyExitance::first_order(const LitSamples& lit) const {
+    std::vector<Rgb> light;
+    if (orders_ != Orders::all && lit.E_direct.empty()) return light;
+    light.reserve(lit.E_t.size());
+    for (std::size_t i = 0; i < lit.E_t.size(); ++i) {
+        const Rgb marched = orders_ == Orders::all ? Rgb(0) : lit.E_direct[i];
+        light.push_back(first_order_ * (lit.E_t[i] - marched));
+    }
+    return light;
 }
 
 DiffusionReport BodyExitance::report(const BodyDiffusion::Solution& solution) const {
@@ -140,15 +164,16 @@ ExitanceField BodyExitance::field(const LitSamples& lit, const BodyDiffusion::So
     ExitanceField field(body_, lit, use_ == ExitanceUse::paths ? profiles : *kernels_, accuracy,
                         shifts_);
     if (!diffusion_ || solution.radiance.empty()) return field;
-    std::vector<Rgb> P;
-    if (field.needs_irradiance())
-        P = at_clusters(ExitanceField(body_, lit, profiles, accuracy, shifts_));
-    else
-        P = at_clusters(field);
-    field.correct(
-        LeavingField(diffusion_->clusters(),
-                     {solution.radiance, solution.fine.H, P, solution.entry.E, solution.entry.E_mu},
-                     medium_.eta, directional_, strength_));
+    const auto of_profiles = [&](const std::array<KernelTable, 3>& tables) {
+        return at_clusters(ExitanceField(body_, lit, ExitanceKernels{tables}, accuracy, shifts_));
+    };
+    const std::vector<Rgb> P =
+        field.needs_irradiance() ? of_profiles(kernels_->profiles) : at_clusters(field);
+    std::vector<Rgb> rest = two_and_more_ ? of_profiles(two_and_more_->profiles) : P;
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = rest[i] - solution.fine.H[i];
+    field.correct(LeavingField(diffusion_->clusters(),
+                               {solution.radiance, rest, P, solution.entry.E, solution.entry.E_mu},
+                               medium_.eta, directional_, strength_));
     return field;
 }
 

@@ -66,6 +66,11 @@ public:
     const PatchTree* tree() const { return diffusion_ ? &diffusion_->tree() : nullptr; }
     std::size_t memory_bytes() const { return diffusion_ ? diffusion_->memory_bytes() : 0; }
 
+    /// By what the irradiance of indirect light is to be multiplied, for single scattering of it is
+    /// not marched: 1 where solve() adds what of it leaves after one scattering, the ratio of the
+    /// profile's total reflectances where it stands alone.
+    Rgb indirect_gain() const;
+
     /// Diffusion of some light. Solutions of several lights may be added. Empty if there are no
     /// clusters.
     BodyDiffusion::Solution solve(const LitSamples& lit) const;
@@ -78,11 +83,18 @@ public:
                         ExitanceAccuracy accuracy) const;
 
 private:
+    std::vector<Rgb> first_order(const LitSamples& lit) const;
     std::vector<Rgb> at_clusters(const ExitanceField& field) const;
 
     const BodyView& body_;
     ExitanceUse use_;
     Medium medium_;
+    Orders orders_;
+    Rgb profile_gain_;  // of indirect light, where the profile stands alone
+    // What of the first order the profile of two orders and more does not hold, and that profile
+    // where kernels_ are of all orders.
+    Rgb first_order_;
+    std::optional<ExitanceKernels> two_and_more_;
     bool directional_ = false;
     std::optional<ExitanceKernels> kernels_;
     ExitanceShifts shifts_;

@@ -78,18 +78,24 @@ private:
 
 }  // namespace
 
+double first_order_marched(const Medium& medium, int channel) {
+    if (medium.g <= 0) return 1;
+    const double eta = double(medium.eta);
+    const double reduced =
+        single_scattering_reflectance(double(medium.alpha_prime()[channel]), eta);
+    if (reduced == 0) return 1;
+    return std::min(1.0, single_scattering_reflectance(double(medium.albedo()[channel]), eta,
+                                                       double(medium.g)) /
+                             reduced);
+}
+
 std::unique_ptr<Profile> make_exitance_profile(Model model, const Medium& medium, int channel,
                                                Orders orders) {
     auto profile = make_profile(model, medium, channel, orders);
     const bool knows_orders = model == Model::transport || model == Model::body_aware;
-    if (!knows_orders || orders == Orders::all || medium.g <= 0) return profile;
-    const double eta = double(medium.eta);
-    const double reduced =
-        single_scattering_reflectance(double(medium.alpha_prime()[channel]), eta);
-    if (reduced == 0) return profile;
-    const double s = std::min(1.0, single_scattering_reflectance(double(medium.albedo()[channel]),
-                                                                 eta, double(medium.g)) /
-                                       reduced);
+    if (!knows_orders || orders == Orders::all) return profile;
+    const double s = first_order_marched(medium, channel);
+    if (s == 1) return profile;
     return std::make_unique<BlendedProfile>(make_profile(model, medium, channel, Orders::all),
                                             std::move(profile), s);
 }

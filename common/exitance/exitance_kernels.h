@@ -24,13 +24,16 @@ struct ExitanceKernels {
     bool needs_irradiance() const { return beta != std::array<double, 3>{}; }
 };
 
+/// What single scattering by the medium itself adds at right angles, of the first order of the
+/// reduced medium: at most 1, and 1 for g <= 0.
+double first_order_marched(const Medium& medium, int channel);
+
 /// The profile that multiple scattering is summed with. `transport` and `body_aware` tell orders
 /// apart in the reduced medium, where one isotropic scattering stands for many forward ones: with g
 /// > 0 its first order is more than single scattering adds, and the rest of it has to stay in the
 /// profile.
 ///
-///     R = R_{>= 2} + (1 - s) R_1,   s = (what is scattered once by the medium itself)
-///                                       / (by the reduced medium), at right angles, at most 1
+///     R = R_{>= 2} + (1 - s) R_1,   s = first_order_marched()
 ///
 /// Other models, and Orders::all, are as make_profile() has them.
 std::unique_ptr<Profile> make_exitance_profile(Model model, const Medium& medium, int channel,

@@ -2,7 +2,9 @@
 // tallow-reference as a user runs it.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <map>
+#include <sstream>
 
 #include "common/image/exr_io.h"
 #include "tests/support/process.h"
@@ -67,6 +69,46 @@ TEST(ReferenceCli, SaysWhatIsWrong) {
               "tallow-reference: error: " + scene +
                   ":7:5: objects[0]: expected a subsurface material, got the opaque 'stone': the "
                   "reference knows translucent bodies only");
+}
+
+/// Power in red by event.
+std::map<std::string, double> balance(const std::vector<std::string>& overrides) {
+    std::vector<std::string> arguments{write_scene().string(), "--paths", "1e5", "--quiet"};
+    for (const std::string& change : overrides)
+        arguments.insert(arguments.end(), {"--set", change});
+    const Result result = run(TALLOW_REFERENCE_BALANCE, arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::map<std::string, double> power;
+    std::istringstream lines(result.out);
+    for (std::string line; std::getline(lines, line);)
+        if (const std::size_t comma = line.find(','); line.rfind("event", 0) != 0)
+            power[line.substr(0, comma)] = std::strtod(line.c_str() + comma + 1, nullptr);
+    return power;
+}
+
+// Light that nothing absorbs leaves a ball as it entered; only what was never scattered (e^-20 of
+// it) is not counted. A ball does not see itself.
+TEST(ReferenceBalance, WhiteBallLetsOutAllThatEnters) {
+    const auto power = balance({"materials.stone.sigma_a=0", "materials.stone.sigma_s_prime=5"});
+    const double entered = power.at("entered_first");
+    EXPECT_GT(entered, 0);
+    EXPECT_NEAR((power.at("left_once") + power.at("left_more")) / entered, 1, 2e-4);
+    EXPECT_EQ(power.at("entered_bare") + power.at("entered_second") + power.at("left_second"), 0);
+}
+
+// Of two balls side by side each lights the other: what enters later is less than what left before.
+TEST(ReferenceBalance, BallsLightEachOther) {
+    const auto power = balance(
+        {"materials.stone.sigma_a=0",
+         "objects=[{shape: sphere, radius: 2, material: stone}, "
+         "{shape: sphere, radius: 2, center: [4.1, 0, 0], material: stone}]"});
+    const double left = power.at("left_once") + power.at("left_more");
+    EXPECT_GT(power.at("entered_second"), 0.01 * left);
+    EXPECT_LT(power.at("entered_second"), 0.5 * left);
+    EXPECT_GT(power.at("entered_bare"), 0);
+    EXPECT_GT(power.at("entered_later"), 0);
+    EXPECT_LT(power.at("entered_later"), power.at("entered_second"));
+    EXPECT_NEAR(power.at("left_second") / power.at("entered_second"), 1, 0.02);
 }
 
 }  // namespace

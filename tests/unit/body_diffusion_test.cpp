@@ -55,7 +55,7 @@ const FollowFlights kStraight = [](auto, auto, std::span<const Vec3> w, float) {
 };
 
 BodyDiffusion diffusion_in(const LitSurface& body, const Medium& medium) {
-    return {body.surface(), medium, k1000, kStraight, Orders::two_and_more};
+    return {body.surface(), medium, k1000, kStraight};
 }
 
 constexpr double kRadius = 10;
@@ -237,10 +237,10 @@ TEST(BodyDiffusion, ThickBlockIsAHalfSpaceInItsMiddle) {
     const auto solution = diffusion.solve(block.light());
     // A profile that is what diffusion gives: nothing is to be put right.
     const std::vector<Rgb>& P = solution.fine.H;
-    const LeavingField field(
-        diffusion.clusters(),
-        {solution.radiance, solution.fine.H, P, solution.entry.E, solution.entry.E_mu}, 1.5f, false,
-        Rgb(1));
+    const LeavingField field(diffusion.clusters(),
+                             {solution.radiance, std::vector<Rgb>(P.size(), Rgb(0)), P,
+                              solution.entry.E, solution.entry.E_mu},
+                             1.5f, false, Rgb(1));
     for (std::size_t i = 0; i < solution.fine.B.size(); ++i) {
         const Vec3 x = diffusion.clusters().position[i], n = diffusion.clusters().normal[i];
         if (std::abs(x.x) > 15 || std::abs(x.y) > 15 || x.z < -1) continue;
@@ -261,7 +261,7 @@ TEST(LeavingField, BrightPlacesAreNotMultiplied) {
     const std::size_t n = diffusion.clusters().count();
     const auto radiance = even_radiance(n, 2);
     const std::vector<Rgb> ones(n, Rgb(1)), none(n, Rgb(0));
-    const LeavingField field(diffusion.clusters(), {radiance, ones, ones, none, none}, 1.5f, false,
+    const LeavingField field(diffusion.clusters(), {radiance, none, ones, none, none}, 1.5f, false,
                              Rgb(1));
     const Vec3 x = diffusion.clusters().position[n / 2],
                normal = diffusion.clusters().normal[n / 2];
@@ -277,12 +277,12 @@ TEST(LeavingField, ObliqueLightScattersTwiceMoreOften) {
     const BodyDiffusion diffusion = diffusion_in(block, medium(0.3f));
     const std::size_t n = diffusion.clusters().count();
     const auto radiance = even_radiance(n, 1);
-    const std::vector<Rgb> P(n, Rgb(1.5f)), H(n, Rgb(1));
+    const std::vector<Rgb> P(n, Rgb(1.5f)), rest(n, Rgb(0.5f));
     const Vec3 x = diffusion.clusters().position[n / 2],
                normal = diffusion.clusters().normal[n / 2];
     const auto factor = [&](float mu_0) {
         const std::vector<Rgb> E(n, Rgb(2)), E_mu(n, Rgb(2 * mu_0));
-        const LeavingField field(diffusion.clusters(), {radiance, H, P, E, E_mu}, 1.5f, false,
+        const LeavingField field(diffusion.clusters(), {radiance, rest, P, E, E_mu}, 1.5f, false,
                                  Rgb(1));
         return double(field.factor(x, normal, normal, Rgb(1.5f))[0]);
     };

@@ -25,7 +25,7 @@ SumTree tree_of(const std::vector<Vec3>& positions, float weight) {
 
 double at(const LeavingOnce& once, Vec3 place, Vec3 normal) {
     OnceSources near;
-    return once.at(place, normal, near);
+    return once.at(place, normal, near).all;
 }
 
 // A sheet of sources 1 W/mm^2 at a depth z beneath the plane z = 0, every `spacing` mm.
@@ -88,6 +88,28 @@ TEST(LeavingOnce, ManySourcesActAsOne) {
                         double(fresnel_transmittance(float(1 / kEta), float(mu)));
         }
         EXPECT_NEAR(at(once, {0, 0, float(distance)}, {0, 0, 1}), expected, 0.05 * expected);
+    }
+}
+
+// Parts of the light, from where nodes act for many sources to where discs do.
+TEST(LeavingOnce, PartsAddUpToTheWhole) {
+    const ReducedChannel reduced = medium();
+    test::Draw draw(2);
+    std::vector<Vec3> positions;
+    for (int i = 0; i < 3000; ++i)
+        positions.push_back(Vec3(draw.in_box()) * Vec3(1, 1, 0.1f) - Vec3(0, 0, 0.15f));
+    const float weight = 1 / 1024.0f;
+    const SumTree tree = tree_of(positions, weight);
+    std::vector<float> third(positions.size()), others(positions.size());
+    for (std::size_t i = 0; i < third.size(); ++i) (i % 3 == 0 ? third : others)[i] = weight;
+    const LeavingOnce once(reduced, tree, 1e-3, third), rest(reduced, tree, 1e-3, others);
+    OnceSources near;
+    for (const Vec3 place : {Vec3(0), Vec3(0.5f, 0.3f, 0), Vec3(0.2f, 0, 1.5f)}) {
+        const LeavingOnce::Exitance a = once.at(place, {0, 0, 1}, near),
+                                    b = rest.at(place, {0, 0, 1}, near);
+        EXPECT_EQ(a.all, b.all);
+        EXPECT_NEAR(a.part + b.part, a.all, 1e-5 * a.all);
+        EXPECT_NEAR(a.part / a.all, 1 / 3.0, 0.15);
     }
 }
 
