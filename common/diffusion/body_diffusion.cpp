@@ -87,6 +87,20 @@ std::vector<Flight> follow_back(const SurfaceClusters& clusters, const FollowFli
     return follow(from, normal, w, longest);
 }
 
+std::vector<LeavingPlace> leaving_places(const SurfaceClusters& clusters,
+                                         std::span<const Flight> back, float longest) {
+    constexpr std::size_t kDirections = LeavingRays::kDirections;
+    std::vector<LeavingPlace> places(clusters.count());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        std::array<float, kDirections> lengths{};
+        for (std::size_t d = 0; d < kDirections; ++d)
+            lengths[d] = std::min(longest, back[i * kDirections + d].legs[0].length);
+        places[i] = {clusters.position[i], clusters.normal[i],
+                     LeavingRays(clusters.normal[i]).fit(lengths)};
+    }
+    return places;
+}
+
 }  // namespace
 
 float BodyDiffusion::longest_flight(const Medium& medium) {
@@ -120,6 +134,7 @@ BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium
         parent_.push_back(parent);
     }
     leaving_ = follow_back(fine_.clusters, follow, longest_flight(medium));
+    places_ = leaving_places(fine_.clusters, leaving_, longest_flight(medium));
 }
 
 BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
@@ -149,7 +164,7 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
                                    sums.leaving_half_space(places, own), result, phi);
         if (phi.empty()) return;
         find_radiance(int(c), sums, phi, own, result.radiance);
-        say_how_much(int(c), sums.leaving_once(clusters().position, clusters().normal), result);
+        say_how_much(int(c), sums.leaving_once(places_), result);
     });
     for (const ChannelReport& report : reports) {
         result.iterations = std::max(result.iterations, report.iterations);

@@ -109,6 +109,7 @@ private:
     std::array<ChannelDiffusion, 3> channels_;
     std::array<std::optional<SourceKernels>, 3> kernels_;
     Level fine_, coarse_;
+    std::vector<LeavingPlace> places_;   // [fine cluster]
     std::vector<Flight> leaving_;        // [fine cluster][direction of LeavingRays] back along it
     std::vector<std::uint32_t> parent_;  // [fine cluster] the coarse one that holds it
 };

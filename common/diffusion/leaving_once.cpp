@@ -19,6 +19,9 @@ constexpr float kFarthest = 8;
 // A node acts as one where its radius is at most so much of its distance. Sheets: within 1 %.
 constexpr float kNodeOpening = 0.2f;
 
+// How much farther away than the body reaches, and how many mean free paths, a source may be.
+constexpr float kReachSlack = 1.25f, kReachRoom = 0.25f;
+
 // Sources farther away than so many radii of a cell act as points.
 constexpr float kFarFromDisc = 4;
 
@@ -77,11 +80,12 @@ float LeavingOnce::above_disc(float height) const {
 
 class LeavingOnce::Gatherer {
 public:
-    Gatherer(const LeavingOnce& of, Vec3 place, Vec3 normal, OnceSources& near)
+    Gatherer(const LeavingOnce& of, const LeavingPlace& place, OnceSources& near)
         : of_(of),
-          place_(place / float(of.sources_.unit())),
-          normal_(normal),
-          frame_(make_frame(normal)),
+          place_(place.position / float(of.sources_.unit())),
+          normal_(place.normal),
+          reach_(place.reach),
+          frame_(make_frame(normal_)),
           near_(near) {}
 
     void visit(std::uint32_t index) {
@@ -92,6 +96,7 @@ public:
             const float distance = glm::length(way), radius = block.radius[lane];
             if (distance - radius > kFarthest * of_.mean_free_path_) continue;
             if (glm::dot(way, normal_) + radius <= 0) continue;  // all outside
+            if (radius <= kNodeOpening * distance && is_beyond(way, distance - radius)) continue;
             if (radius <= kNodeOpening * distance && distance > far())
                 near_.add(way, block.weight[lane],
                           of_.part_of(block.first[lane], block.count[lane]));
@@ -106,6 +111,12 @@ public:
 
 private:
     float far() const { return kFarFromDisc * of_.cell_radius_; }
+
+    // `nearest` is at most the length of the way.
+    bool is_beyond(Vec3 way, float nearest) const {
+        const float reach = reach_.at(glm::normalize(way)) / float(of_.sources_.unit());
+        return nearest > kReachSlack * std::max(0.0f, reach) + kReachRoom * of_.mean_free_path_;
+    }
 
     void add(std::uint32_t source) {
         const SumTree::Point& p = of_.sources_.points()[source];
@@ -127,19 +138,20 @@ private:
 
     const LeavingOnce& of_;
     Vec3 place_, normal_;
+    LeavingRadiance reach_;
     Frame frame_;
     OnceSources& near_;
     Exitance below_{0, 0};
 };
 
-LeavingOnce::Exitance LeavingOnce::at(Vec3 place, Vec3 normal, OnceSources& near) const {
+LeavingOnce::Exitance LeavingOnce::at(const LeavingPlace& place, OnceSources& near) const {
     if (sources_.blocks().empty()) return {0, 0};
     near.clear();
-    Gatherer gatherer(*this, place, normal, near);
+    Gatherer gatherer(*this, place, near);
     gatherer.visit(0);
     near.close();
     const Exitance below = gatherer.below();
-    const OnceSums sums = once_sum()(near, normal, mean_free_path_, eta_);
+    const OnceSums sums = once_sum()(near, place.normal, mean_free_path_, eta_);
     return {factor_ * (below.all + double(sums.all)), factor_ * (below.part + double(sums.part))};
 }
 

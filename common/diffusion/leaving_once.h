@@ -7,11 +7,20 @@
 #include <vector>
 
 #include "common/base/vec.h"
+#include "common/diffusion/leaving_radiance.h"
 #include "common/diffusion/once_sum.h"
 #include "common/nbody/sum_tree.h"
 #include "common/optics/diffusion.h"
 
 namespace tallow {
+
+/// A place where light leaves.
+struct LeavingPlace {
+    Vec3 position;  // on the surface, mm
+    Vec3 normal;    // unit, outward
+    /// How far the body reaches behind it, by the direction in which light leaves, mm.
+    LeavingRadiance reach{kInfinity, Vec3(0)};
+};
 
 /// Exitance of light that scattered once and goes straight from there to the surface:
 ///
@@ -23,7 +32,8 @@ namespace tallow {
 /// A source stands for the light that entered a cell of the surface: near x it is a disc of that
 /// area, parallel to the surface at x.
 ///
-/// Domain   distances are straight, also across hollows.
+/// Sources beyond the body's reach do not count: they lie across a hollow. The reach is known in a
+/// few directions only, so that hollows have to be wider than a quarter of the way to them.
 class LeavingOnce {
 public:
     /// `sources` must outlive this; `cell_area` [mm^2] is that of their cells in the mean. `part`
@@ -35,9 +45,9 @@ public:
     struct Exitance {
         double all, part;
     };
-    /// At a place of the surface [mm] with its unit normal. `near` is room for what is added up, to
+    /// `near` is room for what is added up, to
     /// be used again.
-    Exitance at(Vec3 place, Vec3 normal, OnceSources& near) const;
+    Exitance at(const LeavingPlace& place, OnceSources& near) const;
 
 private:
     static constexpr int kHeights = 64;

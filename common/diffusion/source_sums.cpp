@@ -218,8 +218,8 @@ std::vector<double> SourceSums::inside(std::span<const Vec3> points,
     return sum(on_flights_, kernels_.inside, points, own_sample);
 }
 
-std::vector<LeavingOnce::Exitance> SourceSums::leaving_once(std::span<const Vec3> places,
-                                                            std::span<const Vec3> normals) const {
+std::vector<LeavingOnce::Exitance> SourceSums::leaving_once(
+    std::span<const LeavingPlace> places) const {
     double area = 0;
     for (const float a : light_.area) area += double(a);
     const LeavingOnce once(kernels_.reduced, on_flights_.sum.tree(),
@@ -227,7 +227,7 @@ std::vector<LeavingOnce::Exitance> SourceSums::leaving_once(std::span<const Vec3
     std::vector<LeavingOnce::Exitance> result(places.size());
     parallel_ranges(result.size(), 16, [&](std::size_t begin, std::size_t end) {
         OnceSources near;
-        for (std::size_t i = begin; i < end; ++i) result[i] = once.at(places[i], normals[i], near);
+        for (std::size_t i = begin; i < end; ++i) result[i] = once.at(places[i], near);
     });
     return result;
 }

@@ -71,8 +71,7 @@ public:
                                std::span<const std::int64_t> own_sample) const;
 
     /// Exitance of light that scattered once, see LeavingOnce: all of it, and what is wanted.
-    std::vector<LeavingOnce::Exitance> leaving_once(std::span<const Vec3> places,
-                                                    std::span<const Vec3> normals) const;
+    std::vector<LeavingOnce::Exitance> leaving_once(std::span<const LeavingPlace> places) const;
 
     /// H: exitance of the half-space that has these sources.
     std::vector<double> leaving_half_space(std::span<const Vec3> places,

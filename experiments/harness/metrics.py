@@ -28,7 +28,8 @@ def compare(image, reference, mask, variance=None, block=1):
     mean(I - R) / mean(R); p99 and max are of |I - R| / max(R, 0.01 mean R), over averages of
     `block` x `block` pixels that lie in the mask as a whole. `variance` is that of the reference's
     pixels: its mean is taken off the mean square (not below zero), and "noise" says how much it
-    was. p99 and max keep the noise: no rule takes it off a quantile; blocks make it smaller.
+    was. p99 and max keep the noise: no rule takes it off a quantile; blocks make it smaller, and
+    "noise_p99" says what p99 would be of that noise alone.
     Throws InputError if the mask is empty or the reference's mean is not positive.
     """
     i, r = image[mask].astype(numpy.float64), reference[mask].astype(numpy.float64)
@@ -41,6 +42,7 @@ def compare(image, reference, mask, variance=None, block=1):
     result = {}
     if variance is not None:
         result["noise"] = relative_noise(variance, reference, mask)
+        result["noise_p99"] = _noise_percentile(variance, reference, mask, mean, block)
         square = max(0.0, square - numpy.mean(variance[mask], dtype=numpy.float64))
     relative = _relative_errors(image, reference, mask, mean, block)
     return {"relRMSE": float(numpy.sqrt(square) / mean), "bias": float(numpy.mean(i - r) / mean),
@@ -53,6 +55,25 @@ def _relative_errors(image, reference, mask, mean, block):
         raise InputError(f"no block of {block} x {block} pixels lies in the mask")
     i, r = (averaged(pixels.astype(numpy.float64), block)[whole] for pixels in (image, reference))
     return numpy.abs(i - r) / numpy.maximum(r, 0.01 * mean)
+
+
+def _noise_percentile(variance, reference, mask, mean, block):
+    """99th percentile of the relative error by normal, independent noise of the pixels alone."""
+    whole = averaged(mask.astype(numpy.float64), block) == 1
+    v, r = (averaged(pixels.astype(numpy.float64), block)[whole]
+            for pixels in (variance, reference))
+    deviations = numpy.sqrt(v) / block / numpy.maximum(r, 0.01 * mean)
+    deviations = deviations[deviations > 0]
+    erfc = numpy.vectorize(math.erfc, otypes=[float])
+    above = 0.01 * r.size
+    if deviations.size <= above:
+        return 0.0
+    low, high = 0.0, 10 * float(deviations.max())
+    for _ in range(40):
+        middle = (low + high) / 2
+        is_more = erfc(middle / deviations / math.sqrt(2)).sum() > above
+        low, high = (middle, high) if is_more else (low, middle)
+    return high
 
 
 def averaged(pixels, block):

@@ -34,7 +34,7 @@ PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#56B4E9", "#E
 MARKERS = "osD^vPX"
 
 # Errors are fractions in results.csv and per cent on axes.
-IN_PERCENT = {"relRMSE", "bias", "p99", "max", "noise", "own_noise", "floor"}
+IN_PERCENT = {"relRMSE", "bias", "p99", "max", "noise", "noise_p99", "own_noise", "floor"}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -17,6 +17,7 @@ QUANTITIES = {
     "max": ("1", "largest relative error"),
     "flip": ("1", "mean FLIP"),
     "noise": ("1", "relRMSE of the reference's own noise"),
+    "noise_p99": ("1", "99th percentile of the relative error by the reference's own noise"),
     "own_noise": ("1", "relRMSE of the renderer's own noise"),
     "floor": ("1", "error that no time takes away"),
     "startup_seconds": ("s", "start-up, not part of the time"),

@@ -28,8 +28,9 @@ shows the body (the reference's coverage A).
 A reference that was made by chance has noise of its own. It comes with the variance of each \
 pixel; the mean of that is taken off the mean square difference before the root is drawn. What \
 is left is never below zero. p99, max and FLIP keep the noise, as no rule takes it off them; \
-where a report says 2 x 2, they are measured on averages of 2 x 2 pixels, which halves it. Bias \
-needs no correction.
+where a report says 2 x 2, they are measured on averages of 2 x 2 pixels, which halves it \
+at best: a walk lights neighbouring pixels together. Where a table says "of noise", it is what \
+p99 would be of independent noise alone. Bias needs no correction.
 
 FLIP is HDR-FLIP [Andersson et al. 2021], the mean over the same pixels, everything else black \
 in both images; its exposures follow the reference's luminance inside the body.

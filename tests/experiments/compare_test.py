@@ -9,7 +9,8 @@ import unittest
 import numpy
 from PIL import Image
 
-from images import flat, run, run_process, write_exr
+from images import flat, run, run_process, write_exr  # puts experiments/ on the path
+from harness import metrics  # noqa: E402
 
 
 class Compare(unittest.TestCase):
@@ -95,6 +96,18 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(row["relRMSE"], 0.2, 6)
         self.assertAlmostEqual(row["p99"], 0, 6)
         self.assertAlmostEqual(row["max"], 0, 6)
+
+    def test_noise_alone_has_a_percentile(self):
+        reference = flat(1)
+        error = numpy.random.default_rng(1).normal(0, 0.1, (160, 200, 3)).astype(numpy.float32)
+        flat_, mask = numpy.ones((160, 200, 3)), numpy.ones((160, 200), bool)
+        variance = numpy.full_like(flat_, 0.01)
+        for block in (1, 2):
+            found = metrics.compare(flat_ + error, flat_, mask, variance, block)
+            self.assertAlmostEqual(found["noise_p99"], 0.2576 / block, 4)
+            self.assertAlmostEqual(found["p99"] / found["noise_p99"], 1, 1)
+        self.assertEqual(metrics.compare(reference, reference, mask[:16, :20],
+                                         0 * reference)["noise_p99"], 0)
 
     def test_masks(self):
         image, coverage = flat(1), numpy.zeros((16, 20))

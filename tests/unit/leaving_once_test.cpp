@@ -25,7 +25,7 @@ SumTree tree_of(const std::vector<Vec3>& positions, float weight) {
 
 double at(const LeavingOnce& once, Vec3 place, Vec3 normal) {
     OnceSources near;
-    return once.at(place, normal, near).all;
+    return once.at({place, normal}, near).all;
 }
 
 // A sheet of sources 1 W/mm^2 at a depth z beneath the plane z = 0, every `spacing` mm.
@@ -105,8 +105,8 @@ TEST(LeavingOnce, PartsAddUpToTheWhole) {
     const LeavingOnce once(reduced, tree, 1e-3, third), rest(reduced, tree, 1e-3, others);
     OnceSources near;
     for (const Vec3 place : {Vec3(0), Vec3(0.5f, 0.3f, 0), Vec3(0.2f, 0, 1.5f)}) {
-        const LeavingOnce::Exitance a = once.at(place, {0, 0, 1}, near),
-                                    b = rest.at(place, {0, 0, 1}, near);
+        const LeavingOnce::Exitance a = once.at({place, {0, 0, 1}}, near),
+                                    b = rest.at({place, {0, 0, 1}}, near);
         EXPECT_EQ(a.all, b.all);
         EXPECT_NEAR(a.part + b.part, a.all, 1e-5 * a.all);
         EXPECT_NEAR(a.part / a.all, 1 / 3.0, 0.15);
@@ -119,6 +119,19 @@ TEST(LeavingOnce, NothingLeavesBeyondTheCriticalAngle) {
     EXPECT_GT(at(once, {0, 0, 1}, {0, 0, 1}), 0);
     EXPECT_EQ(at(once, {1.2f, 0, 1}, {0, 0, 1}), 0);  // the critical tangent is 1.02
     EXPECT_EQ(at(once, {0, 0, 1}, {0, 0, -1}), 0);    // from outside
+}
+
+// Beyond the body's reach lies a hollow. Towards the place the reach is 0.3 mm, aslant it is more.
+TEST(LeavingOnce, NothingComesAcrossHollows) {
+    const SumTree tree = tree_of({Vec3(0)}, 1);
+    const LeavingOnce once(medium(), tree, 1e-4);
+    OnceSources near;
+    const LeavingRadiance reach{1.3f, {0, 0, -1}};
+    EXPECT_EQ(once.at({{0, 0, 0.6f}, {0, 0, 1}, reach}, near).all, 0);
+    EXPECT_EQ(once.at({{0, 0, 0.45f}, {0, 0, 1}, reach}, near).all,
+              at(once, {0, 0, 0.45f}, {0, 0, 1}));
+    const Vec3 aslant(0.5f, 0, 0.6f);  // where the reach is 0.53 mm
+    EXPECT_EQ(once.at({aslant, {0, 0, 1}, reach}, near).all, at(once, aslant, {0, 0, 1}));
 }
 
 TEST(LeavingOnce, OfNoSources) {

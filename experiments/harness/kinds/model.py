@@ -214,11 +214,12 @@ def _table(points, layer):
     def percent(point, quantity):
         return 100 * point.median(quantity) if quantity in point.quantities else None
 
-    rows = [[p.case, p.series, *(percent(p, q) for q in ("relRMSE", "bias", "p99", "max", "noise")),
+    quantities = ("relRMSE", "bias", "p99", "noise_p99", "max", "noise")
+    rows = [[p.case, p.series, *(percent(p, q) for q in quantities),
              p.median("flip") if "flip" in p.quantities else None]
             for p in points if p.value == layer]
-    return Table(["case", "model", "relRMSE %", "bias %", "p99 (2 x 2) %", "max (2 x 2) %",
-                  "reference's noise %", "FLIP"], rows,
+    return Table(["case", "model", "relRMSE %", "bias %", "p99 (2 x 2) %", "of noise %",
+                  "max (2 x 2) %", "reference's noise %", "FLIP"], rows,
                  f"{layer}: our {LAYERS[layer][0]} against the reference")
 
 
