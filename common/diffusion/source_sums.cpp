@@ -259,7 +259,9 @@ void SourceSums::put_on_flight(std::size_t i, const Add& add) const {
             add(k, float(kernels_.depth[k] * mfp_) * light_.w_i[i], depths.weight[k]);
         return;
     }
-    const Collisions collisions(flight, mfp_);
+    // Light from many directions goes less far along their mean, which is shorter than 1.
+    const double along = std::max(0.1, double(glm::length(light_.w_i[i])));
+    const Collisions collisions(flight, along * mfp_);
     for (std::size_t k = 0; k < depths.weight.size(); ++k)
         add(k, collisions.at(depths.share_on(k, collisions.length())),
             depths.weight[k] * collisions.probability());

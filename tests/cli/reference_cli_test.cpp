@@ -98,10 +98,10 @@ TEST(ReferenceBalance, WhiteBallLetsOutAllThatEnters) {
 
 // Of two balls side by side each lights the other: what enters later is less than what left before.
 TEST(ReferenceBalance, BallsLightEachOther) {
-    const auto power = balance(
-        {"materials.stone.sigma_a=0",
-         "objects=[{shape: sphere, radius: 2, material: stone}, "
-         "{shape: sphere, radius: 2, center: [4.1, 0, 0], material: stone}]"});
+    const auto power =
+        balance({"materials.stone.sigma_a=0",
+                 "objects=[{shape: sphere, radius: 2, material: stone}, "
+                 "{shape: sphere, radius: 2, center: [4.1, 0, 0], material: stone}]"});
     const double left = power.at("left_once") + power.at("left_more");
     EXPECT_GT(power.at("entered_second"), 0.01 * left);
     EXPECT_LT(power.at("entered_second"), 0.5 * left);
