@@ -46,9 +46,9 @@ enum Event : int {
     entered_later,   ///< left bodies twice or more, scattered
     left_later,      ///< for the third time or more
 };
-constexpr std::array<const char*, 8> kEvents{"entered_first",  "entered_bare",  "left_once",
-                                             "left_more",      "entered_second", "left_second",
-                                             "entered_later",  "left_later"};
+constexpr std::array<const char*, 8> kEvents{"entered_first", "entered_bare",   "left_once",
+                                             "left_more",     "entered_second", "left_second",
+                                             "entered_later", "left_later"};
 using Sums = std::array<double, kEvents.size()>;
 
 Event entry(const Walker& walker, std::uint64_t left) {
@@ -84,7 +84,7 @@ std::array<Sums, kChannels> count_walks(const Bodies& bodies, const Lamps& lamps
     constexpr std::size_t kBlock = 1 << 14;
     const std::size_t blocks = (paths + kBlock - 1) / kBlock;
     std::array<Sums, kChannels> result{};
-    for (int channel = 0; channel < kChannels; ++channel) {
+    for (int channel = 0; channel < kChannels && lamps.count() > 0; ++channel) {
         std::vector<Sums> of_block(blocks);
         const std::uint64_t of_channel = mix_bits(seed * kChannels + std::uint64_t(channel));
         parallel_for(blocks, 1, [&](std::size_t block) {

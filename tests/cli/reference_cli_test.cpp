@@ -96,6 +96,12 @@ TEST(ReferenceBalance, WhiteBallLetsOutAllThatEnters) {
     EXPECT_EQ(power.at("entered_bare") + power.at("entered_second") + power.at("left_second"), 0);
 }
 
+TEST(ReferenceBalance, OfNoLightIsNothing) {
+    for (const auto& [event, power] : balance({"lights=[]"})) EXPECT_EQ(power, 0) << event;
+    const Result result = run(TALLOW_REFERENCE_BALANCE, {write_scene().string(), "--paths", "0"});
+    EXPECT_EQ(result.exit_code, 2);
+}
+
 // Of two balls side by side each lights the other: what enters later is less than what left before.
 TEST(ReferenceBalance, BallsLightEachOther) {
     const auto power =
