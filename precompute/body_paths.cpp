@@ -26,6 +26,7 @@ BodyPaths::BodyPaths(const Scene& scene, const RayScene& rays, const SampledBody
       paths_(scene, rays, options.bounces, options.diffuse),
       rays_per_patch_(std::size_t(options.rays)),
       groups_(scene.groups.size()),
+      re_entry_(subsurface(scene, body.object)->re_entry),
       eta_(subsurface(scene, body.object)->medium.eta),
       most_kept_(most_kept) {}
 
@@ -37,7 +38,7 @@ void BodyPaths::gather(std::size_t begin, std::size_t end, const std::vector<Gro
     if (kept == kept_.end()) followed = follow(begin, end, by_surfaces);
     const Vertices& vertices = kept == kept_.end() ? followed : kept->second;
     for (std::uint32_t object = 0; object < fields.size(); ++object)
-        if (!fields[object].empty())
+        if (!fields[object].empty() && (re_entry_ || object != body_.object))
             add_exitance(object, fields[object], begin, vertices, by_bodies);
     if (kept != kept_.end()) return;
     std::size_t count = 0;

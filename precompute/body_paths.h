@@ -33,8 +33,8 @@ public:
               const GatherPatches& patches, const PathOptions& options, std::size_t most_kept);
 
     /// Adds what reaches the patches [begin, end): by opaque surfaces, unless that is null, and by
-    /// bodies that shine as fields[object] say, empty for opaque ones. Sums are those of
-    /// GatherPatches::spread().
+    /// bodies that shine as fields[object] say, empty for opaque ones; by the body itself only if
+    /// its material lets light re-enter. Sums are those of GatherPatches::spread().
     void gather(std::size_t begin, std::size_t end, const std::vector<GroupFields>& fields,
                 std::vector<GroupIrradiance>* by_surfaces, std::vector<GroupIrradiance>& by_bodies);
 
@@ -61,6 +61,7 @@ private:
     const GatherPatches& patches_;
     LightPaths paths_;
     std::size_t rays_per_patch_, groups_;
+    bool re_entry_;
     float eta_;
     std::size_t most_kept_;
     std::map<std::size_t, Vertices> kept_;  // by the first patch of a chunk

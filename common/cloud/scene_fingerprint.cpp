@@ -227,6 +227,7 @@ struct MaterialPairs {
         pairs.add("exit", std::string(name_of(body.exit)));
         pairs.add("shifts", std::string(body.shifts ? "on" : "off"));
         pairs.add("boundary_elements", std::string(body.boundary_elements ? "on" : "off"));
+        pairs.add("re_entry", std::string(body.re_entry ? "on" : "off"));
         pairs.add("transmission", std::string(body.transmission == Switch::off ? "off" : "on"));
     }
     void operator()(const DiffuseMaterial& diffuse) const {

@@ -147,6 +147,9 @@ private:
 
     void plan_diffusion(std::size_t object) {
         const SubsurfaceMaterial& material = *subsurface(scene(), object);
+        if (!material.re_entry && indirect_bounces(scene()) > 0)
+            decide(fmt::format("objects[{}]", object), "light that re-enters", false, "left out",
+                   "forced");
         if (!material.boundary_elements || result_.treatment[object] != Treatment::samples) return;
         const std::string name = fmt::format("objects[{}]", object);
         if (encloses_volume(scene().objects[object].shape))

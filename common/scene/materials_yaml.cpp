@@ -160,10 +160,13 @@ std::pair<Switch, Connection> read_single_scattering(const YamlMap& map) {
 }
 
 MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
-    map.allow_only({"type", "preset", "dilution", "sigma_a", "sigma_s_prime", "sigma_s",
-                    "diffuse_color", "mean_free_path", "g", "eta", "model", "single_scattering",
-                    "exit", "surface", "albedo", "diffuse_limit", "shifts", "boundary_elements",
-                    "transmission"});
+    map.allow_only({"type",          "preset",         "dilution",
+                    "sigma_a",       "sigma_s_prime",  "sigma_s",
+                    "diffuse_color", "mean_free_path", "g",
+                    "eta",           "model",          "single_scattering",
+                    "exit",          "surface",        "albedo",
+                    "diffuse_limit", "shifts",         "boundary_elements",
+                    "re_entry",      "transmission"});
     SubsurfaceMaterial material;
     use_model(material, read_model(map));
     material.medium = read_any_medium(map, material.model, context.lengths);
@@ -177,6 +180,8 @@ MaterialKind read_subsurface(const YamlMap& map, const Context& context) {
     material.shifts = map.choice_or("shifts", {{"on", true}, {"off", false}}, material.shifts);
     material.boundary_elements = map.choice_or("boundary_elements", {{"on", true}, {"off", false}},
                                                material.boundary_elements);
+    material.re_entry =
+        map.choice_or("re_entry", {{"on", true}, {"off", false}}, material.re_entry);
     material.diffuse_limit = read_switch(map, "diffuse_limit");
     material.transmission = read_switch(map, "transmission");
     std::tie(material.single_scattering, material.connection) = read_single_scattering(map);

@@ -51,6 +51,9 @@ struct SubsurfaceMaterial {
     bool shifts = false;
     /// The profile's half-space is corrected to the body by a solve of diffusion in it.
     bool boundary_elements = false;
+    /// Light that left the body by diffusion enters it again where it meets it: part of indirect
+    /// light.
+    bool re_entry = true;
     /// Tints light on its way in and on its way out with its square root each, so that a constant
     /// one scales the total reflectance.
     SurfaceColor albedo{Rgb(1)};

@@ -232,7 +232,8 @@ TEST(BadInput, Flags) {
          "--set materials.stone.colour: unknown key, expected one of type, preset, dilution, "
          "sigma_a, "
          "sigma_s_prime, sigma_s, diffuse_color, mean_free_path, g, eta, model, single_scattering, "
-         "exit, surface, albedo, diffuse_limit, shifts, boundary_elements, transmission"},
+         "exit, surface, albedo, diffuse_limit, shifts, boundary_elements, re_entry, "
+         "transmission"},
         {true, with(rendering, {"--set", "materials.wax.eta=1.4"}),
          "--set materials.wax.eta: materials has no 'wax'"},
         {true, with(rendering, {"--set", "eta"}), "--set: expected KEY=VALUE, got 'eta'"},

@@ -13,6 +13,7 @@
 #include "precompute/build_octree.h"
 #include "precompute/choose_light_samples.h"
 #include "precompute/gather_indirect.h"
+#include "tests/support/ball_mesh.h"
 #include "tests/support/scenes.h"
 #include "tests/support/shapes.h"
 
@@ -171,6 +172,43 @@ TEST(IndirectLight, OneBodyShinesOnAnother) {
     EXPECT_GT(expected, 0);
     // Measured: 0.1 %. The quadrature is good to the square of spacing / distance.
     EXPECT_NEAR(found / expected, 1, 0.005);
+}
+
+// A hollow whose one side lights the other: without re-entry nothing of that is left, and what
+// another body sends still is.
+TEST(IndirectLight, ReEntryCanBeSwitchedOff) {
+    const auto flux_on = [](bool re_entry, std::uint32_t receiver) {
+        Scene scene = lit_scene({DirectionalLight{glm::normalize(Vec3(1, 0, -0.2f)), Rgb(1)}});
+        scene.settings.light_samples = 1;
+        std::vector<Surface> surfaces;
+        SubsurfaceMaterial wax;
+        wax.medium = {Rgb(0.05f), Rgb(2), 0, 1.3f};
+        wax.model = Model::dipole, wax.re_entry = re_entry;
+        TriangleMesh pair = test::ball_mesh(3, [](Vec3) { return 2.0f; });  // two balls of one body
+        TriangleMesh other = pair;
+        for (Vec3& x : other.vertices) x.x += 4.2f;
+        const auto shift = std::uint32_t(pair.vertices.size());
+        pair.vertices.insert(pair.vertices.end(), other.vertices.begin(), other.vertices.end());
+        for (const auto& [a, b, c] : other.triangles)
+            pair.triangles.push_back({a + shift, b + shift, c + shift});
+        add_object(scene, surfaces, {"a", wax}, pair);
+        add_object(scene, surfaces, {"b", wax}, test::ball(Vec3(-6, 0, 1), 2));
+        const RayScene rays(surfaces);
+        std::vector<SampledBody> bodies = {sampled(scene, surfaces, rays, 0, 0.4f),
+                                           sampled(scene, surfaces, rays, 1, 0.4f)};
+        Progress progress(true);
+        Checkpoint checkpoint("unused.part", {}, {.resume = false, .seconds = 1e9});
+        gather_indirect(scene, rays, bodies, {1, 64, 1e-3f}, checkpoint, progress);
+        checkpoint.finish();
+        double flux = 0;
+        const SampledBody& body = bodies[receiver];
+        for (std::size_t i = 0; i < body.samples.size(); ++i)
+            flux += double(body.indirect[0].E_t[i].g * body.samples.area[i]);
+        return flux;
+    };
+    EXPECT_GT(flux_on(false, 0), 0);
+    EXPECT_LT(flux_on(false, 0), 0.3 * flux_on(true, 0));
+    EXPECT_EQ(flux_on(false, 1), flux_on(true, 1));
 }
 
 }  // namespace

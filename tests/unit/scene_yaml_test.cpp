@@ -127,7 +127,7 @@ cameras: {main: {type: perspective, position: [0, 0, 9], look_at: [0, 0, 0], fov
 materials:
   plain: {type: subsurface, preset: marble, model: transport}
   aware: {type: subsurface, preset: marble, model: body-aware}
-  partly: {type: subsurface, preset: marble, model: body-aware, shifts: off, exit: normalized}
+  partly: {type: subsurface, preset: marble, model: body-aware, shifts: off, exit: normalized, re_entry: off}
   other: {type: subsurface, preset: marble, model: dipole, boundary_elements: on}
 )");
     const auto body = [&](std::size_t i) { return material_of<SubsurfaceMaterial>(scene, i); };
@@ -139,6 +139,8 @@ materials:
     EXPECT_FALSE(body(2).shifts);
     EXPECT_TRUE(body(2).boundary_elements);
     EXPECT_EQ(body(2).exit, Exit::normalized);
+    EXPECT_TRUE(body(1).re_entry);
+    EXPECT_FALSE(body(2).re_entry);
     EXPECT_FALSE(body(3).shifts);
     EXPECT_TRUE(body(3).boundary_elements);
 }

@@ -18,6 +18,7 @@ MODELS = {
     "body-aware": {"model": "body-aware", **EXACT},
     "body-aware-no-shifts": {"model": "body-aware", "shifts": "off", **EXACT},
     "body-aware-no-elements": {"model": "body-aware", "boundary_elements": "off", **EXACT},
+    "body-aware-no-re-entry": {"model": "body-aware", "re_entry": "off", **EXACT},
     "body-aware-normalized-exit": {"model": "body-aware", "exit": "normalized", **EXACT},
     "transport": {"model": "transport", **EXACT},
     "photon-beam-diffusion": {"model": "photon-beam-diffusion", **EXACT},
