@@ -133,8 +133,9 @@ def main():
     parser.add_argument("--albedo", type=float, nargs="+", default=[0.999, 0.95, 0.8])
     parser.add_argument("--thickness", type=float, nargs="+", default=[1, 2, 4, 8])
     parser.add_argument("--model", nargs="+", default=["body-aware", "transport"])
-    parser.add_argument("--incidence", type=float, default=0, help="degrees")
-    parser.add_argument("--everywhere", action="store_true")
+    light = parser.add_mutually_exclusive_group()
+    light.add_argument("--incidence", type=float, default=0, help="degrees")
+    light.add_argument("--everywhere", action="store_true")
     arguments = parser.parse_args()
     if arguments.everywhere:
         with tempfile.TemporaryDirectory() as folder:

@@ -49,19 +49,22 @@ def compare(image, reference, mask, variance=None, block=1):
             "p99": float(numpy.percentile(relative, 99)), "max": float(relative.max()), **result}
 
 
-def _relative_errors(image, reference, mask, mean, block):
+def _whole_blocks(images, mask, block):
+    """Averages over the blocks that lie in the mask as a whole, of each image."""
     whole = averaged(mask.astype(numpy.float64), block) == 1
     if not whole.any():
         raise InputError(f"no block of {block} x {block} pixels lies in the mask")
-    i, r = (averaged(pixels.astype(numpy.float64), block)[whole] for pixels in (image, reference))
+    return (averaged(pixels.astype(numpy.float64), block)[whole] for pixels in images)
+
+
+def _relative_errors(image, reference, mask, mean, block):
+    i, r = _whole_blocks((image, reference), mask, block)
     return numpy.abs(i - r) / numpy.maximum(r, 0.01 * mean)
 
 
 def _noise_percentile(variance, reference, mask, mean, block):
     """99th percentile of the relative error by normal, independent noise of the pixels alone."""
-    whole = averaged(mask.astype(numpy.float64), block) == 1
-    v, r = (averaged(pixels.astype(numpy.float64), block)[whole]
-            for pixels in (variance, reference))
+    v, r = _whole_blocks((variance, reference), mask, block)
     deviations = numpy.sqrt(v) / block / numpy.maximum(r, 0.01 * mean)
     deviations = deviations[deviations > 0]
     erfc = numpy.vectorize(math.erfc, otypes=[float])

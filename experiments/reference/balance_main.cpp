@@ -29,7 +29,7 @@ struct Arguments {
 void declare(CommandLine& line, Arguments& a) {
     line.positional("SCENE", a.scene, "Scene file (YAML or JSON)");
     line.text_list("--set", a.overrides, "Override a value of the scene", "KEY=VALUE");
-    line.number("--paths", a.paths, 1, 1e12, "a number in [1, 1e12]",
+    line.number("--paths", a.paths, 1, 1e10, "a number in [1, 1e10]",
                 "Walks from the lamps, of each channel [default: 1e6]");
     line.integer("--seed", a.seed, 0, 1 << 30, "an integer in [0, 2^30]",
                  "Of the random numbers [default: 1]");
@@ -63,19 +63,15 @@ Event exit(const Walker& walker, std::uint64_t left) {
 
 void follow(const Bodies& bodies, int channel, Walker walker, WalkRandom& random, Sums& sums) {
     std::uint64_t left = 0;  // times that it left a body, scattered
-    for (;;) {
-        const auto hit = bodies.enter(walker.position, walker.direction);
-        if (!hit) return;
-        ++walker.arrivals;
-        walker.position = hit->crossing.position;
-        const float eta = bodies[hit->body].medium.eta;
-        if (!cross_boundary(eta, hit->crossing.normal, walker, random)) continue;
-        sums[entry(walker, left)] += double(walker.power);
-        if (!walk_in_body(bodies, hit->body, channel, walker, random,
-                          [](auto&&...) { return Next::go_on; }))
-            return;
-        if (walker.collisions > 0) sums[exit(walker, ++left)] += double(walker.power);
-    }
+    walk(
+        bodies, channel, walker, random, [](const Walker&, float) {},
+        [](auto&&...) { return Next::go_on; },
+        [&](const Walker& at, Crossed way) {
+            if (way == Crossed::in)
+                sums[entry(at, left)] += double(at.power);
+            else if (at.collisions > 0)
+                sums[exit(at, ++left)] += double(at.power);
+        });
 }
 
 /// [channel] W
@@ -88,6 +84,7 @@ std::array<Sums, kChannels> count_walks(const Bodies& bodies, const Lamps& lamps
         std::vector<Sums> of_block(blocks);
         const std::uint64_t of_channel = mix_bits(seed * kChannels + std::uint64_t(channel));
         parallel_for(blocks, 1, [&](std::size_t block) {
+            if (interrupted()) throw Interrupted();
             for (std::size_t i = 0; i < kBlock; ++i) {
                 WalkRandom random(of_channel, block * kBlock + i);
                 const auto [lamp, probability] = lamps.pick(channel, random.next());

@@ -108,13 +108,17 @@ bool walk_in_body(const Bodies& bodies, std::uint32_t index, int channel, Walker
         body.shape);
 }
 
+/// Which way a walk crosses a surface.
+enum class Crossed { in, out };
+
 /// A walk that starts in the air, to its end.
 ///
 /// on_air(walker, length) is called for every straight piece through the air, which ends at a body
-/// after `length` or never; on_collision as in walk_in_body().
-template <class OnAir, class OnCollision>
+/// after `length` or never; on_collision as in walk_in_body(); on_crossing(walker, way) where light
+/// has entered or left a body.
+template <class OnAir, class OnCollision, class OnCrossing>
 void walk(const Bodies& bodies, int channel, Walker& walker, WalkRandom& random, OnAir&& on_air,
-          OnCollision&& on_collision) {
+          OnCollision&& on_collision, OnCrossing&& on_crossing) {
     for (;;) {
         const std::optional<Bodies::Entry> entry = bodies.enter(walker.position, walker.direction);
         on_air(walker, entry ? entry->crossing.t : kInfinity);
@@ -123,8 +127,16 @@ void walk(const Bodies& bodies, int channel, Walker& walker, WalkRandom& random,
         walker.position = entry->crossing.position;
         const float eta = bodies[entry->body].medium.eta;
         if (!cross_boundary(eta, entry->crossing.normal, walker, random)) continue;
+        on_crossing(walker, Crossed::in);
         if (!walk_in_body(bodies, entry->body, channel, walker, random, on_collision)) return;
+        on_crossing(walker, Crossed::out);
     }
+}
+
+template <class OnAir, class OnCollision>
+void walk(const Bodies& bodies, int channel, Walker& walker, WalkRandom& random, OnAir&& on_air,
+          OnCollision&& on_collision) {
+    walk(bodies, channel, walker, random, on_air, on_collision, [](const Walker&, Crossed) {});
 }
 
 }  // namespace tallow::reference

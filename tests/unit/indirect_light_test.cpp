@@ -174,7 +174,7 @@ TEST(IndirectLight, OneBodyShinesOnAnother) {
     EXPECT_NEAR(found / expected, 1, 0.005);
 }
 
-// A hollow whose one side lights the other: without re-entry nothing of that is left, and what
+// Two balls of one body light each other: without re-entry nothing of that is left, and what
 // another body sends still is.
 TEST(IndirectLight, ReEntryCanBeSwitchedOff) {
     const auto flux_on = [](bool re_entry, std::uint32_t receiver) {
