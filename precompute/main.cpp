@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/base/output_file.h"
 #include "common/base/parse_whole.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_info.h"
@@ -77,9 +78,16 @@ std::optional<int> parse_light_samples(const Arguments& a) {
     return count;
 }
 
+// Told before the work, not after it.
+void require_outputs_writable(const Arguments& a) {
+    require_writable(*a.output);
+    if (a.export_ply) require_writable(*a.export_ply);
+}
+
 void make_cache(const Arguments& a, ToolRun& run) {
     if (a.scene.empty()) throw UsageError("SCENE: expected a scene file");
     if (!a.output && !a.plan) throw UsageError("--output: expected a cache file to write");
+    if (!a.plan) require_outputs_writable(a);
     PrecomputeOptions options;
     options.sampling.samples = a.points;
     if (a.points && !a.spacing.empty())

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "common/base/errors.h"
+#include "common/base/output_file.h"
 #include "common/base/tool_main.h"
 #include "common/cloud/cache_io.h"
 #include "common/exitance/scene_plan.h"
@@ -122,6 +123,13 @@ std::filesystem::path output_of_frame(const Arguments& a, const std::string& nam
     return a.frames.empty() ? std::filesystem::path(name) : frame_file(name, frame);
 }
 
+// Told before the work, not after it.
+void require_outputs_writable(const Arguments& a, std::span<const Camera> views) {
+    for (const Camera& view : views)
+        for (const std::string& name : a.outputs)
+            require_writable(output_of_frame(a, name, view.frame));
+}
+
 void write(const Arguments& a, const Image& image, int frame, ToolRun& run) {
     const PhaseTimer timer(run.stats, "write");
     for (const std::string& name : a.outputs) {
@@ -177,6 +185,7 @@ void render(const Arguments& a, ToolRun& run) {
         fmt::print("{}", plan_text(input.planned.plan));
         return;
     }
+    require_outputs_writable(a, input.views);
     note_double_counting(input.planned.scene, run.progress);
     PhaseTimer map_timer(run.stats, "map");
     const std::optional<MappedCache> cache = open_cache(a, input);

@@ -37,11 +37,14 @@ std::filesystem::path resolve_link(const std::filesystem::path& file) {
 
 std::filesystem::path temporary_of(std::filesystem::path file) { return file += ".tmp"; }
 
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+    return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
 /// Makes the rename survive a power cut. Best effort: some file systems refuse, and the file is
 /// whole under one of its two names in any case.
 void sync_directory_of(const std::filesystem::path& file) {
-    const auto parent = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-    const int directory = ::open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const int directory = ::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (directory < 0) return;
     ::fsync(directory);
     ::close(directory);
@@ -85,6 +88,18 @@ void OutputFile::commit() {
         fail(file_, "cannot be replaced");
     }
     sync_directory_of(file_);
+}
+
+void require_writable(const std::filesystem::path& file) {
+    const std::filesystem::path target = resolve_link(file);
+    std::error_code unknown;
+    if (std::filesystem::is_directory(target, unknown)) {
+        errno = EISDIR;
+        fail(file, "cannot be written");
+    }
+    const bool writable = is_special(target) ? ::access(target.c_str(), W_OK) == 0
+                                             : ::access(folder_of(target).c_str(), W_OK | X_OK) == 0;
+    if (!writable) fail(file, "cannot be written");
 }
 
 }  // namespace tallow

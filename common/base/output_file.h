@@ -30,4 +30,9 @@ private:
     int descriptor_ = -1;
 };
 
+/// Whether a file can appear under this name, asked before the work whose result it shall hold:
+/// its folder exists and takes new files, and it is no folder itself. What only writing can tell (a
+/// full disk) remains to be told then. Throws OutputError as OutputFile does.
+void require_writable(const std::filesystem::path& file);
+
 }  // namespace tallow

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "common/base/errors.h"
+#include "common/base/output_file.h"
 #include "common/base/parallel.h"
 
 namespace tallow {
@@ -26,6 +27,7 @@ void flush_stdout() {
 
 void run(const std::string& tool, const CommonOptions& common,
          const std::function<void(ToolRun&)>& body) {
+    if (common.stats) require_writable(*common.stats);
     const ThreadLimit limit(common.threads);
     ToolRun tool_run{limit.threads(), Progress(common.quiet), make_stats(tool, limit.threads())};
     PhaseTimer total(tool_run.stats, "total");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/base/output_file.h"
 #include "common/base/tool_main.h"
 #include "common/image/exr_io.h"
 #include "common/scene/scene_yaml.h"
@@ -78,6 +79,7 @@ reference::Options make_options(const Arguments& a) {
 
 void render(const Arguments& a, ToolRun& run) {
     const reference::Options options = make_options(a);
+    require_writable(*a.output);
     PhaseTimer load_timer(run.stats, "load");
     const Scene scene = load_scene(a.scene, a.overrides);
     const Camera camera = find_camera(scene, a.camera);

@@ -113,9 +113,9 @@ TEST(Pipeline, CheckpointOutlivesAFailedWrite) {
         flags.insert(flags.begin(), {folder / "scene.yaml", "-o", folder / "scene.tallow"});
         return precompute(flags);
     };
-    std::filesystem::create_directory(folder / "scene.tallow");
+    std::filesystem::create_directory(folder / "scene.tallow.tmp");
     EXPECT_EQ(make({}).exit_code, 4);
-    std::filesystem::remove(folder / "scene.tallow");
+    std::filesystem::remove(folder / "scene.tallow.tmp");
     ASSERT_TRUE(std::filesystem::exists(folder / "scene.tallow.part"));
 
     const Result other = make({"--spacing", "0.2", "--resume"});

@@ -73,6 +73,24 @@ TEST_F(OutputFileTest, TakesOverWhatALibraryWroteByName) {
     EXPECT_EQ(read(file), "by name");
 }
 
+TEST_F(OutputFileTest, IsRefusedBeforeTheWork) {
+    write(folder_ / "old.txt", "old");
+    fs::create_symlink("old.txt", folder_ / "link.txt");
+    for (const char* name : {"new.txt", "old.txt", "link.txt"}) require_writable(folder_ / name);
+    require_writable("/dev/null");
+    EXPECT_EQ(read(folder_ / "old.txt"), "old");
+    EXPECT_FALSE(fs::exists(folder_ / "new.txt"));
+
+    const auto refusal = [](const fs::path& file) {
+        return error_text<OutputError>([&] { require_writable(file); });
+    };
+    const fs::path nowhere = folder_ / "no" / "a.txt", beneath = folder_ / "old.txt" / "a.txt";
+    EXPECT_EQ(refusal(nowhere),
+              nowhere.string() + ": cannot be written: No such file or directory");
+    EXPECT_EQ(refusal(beneath), beneath.string() + ": cannot be written: Not a directory");
+    EXPECT_EQ(refusal(folder_), folder_.string() + ": cannot be written: Is a directory");
+}
+
 TEST_F(OutputFileTest, WritesThroughASymbolicLink) {
     write(folder_ / "target.txt", "old");
     fs::create_symlink("target.txt", folder_ / "link.txt");
