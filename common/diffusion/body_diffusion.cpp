@@ -75,32 +75,6 @@ constexpr double kOrder = 2.0 / 3;
 // not through thin sheets.
 constexpr double kCoarseVariance = 0.5;
 
-// The ways back from where light leaves.
-std::vector<Flight> follow_back(const SurfaceClusters& clusters, const FollowFlights& follow,
-                                float longest) {
-    std::vector<Vec3> from, normal, w;
-    for (std::size_t i = 0; i < clusters.count(); ++i)
-        for (std::size_t d = 0; d < LeavingRays::kDirections; ++d) {
-            from.push_back(clusters.position[i]), normal.push_back(clusters.normal[i]);
-            w.push_back(-LeavingRays(clusters.normal[i]).direction(d));
-        }
-    return follow(from, normal, w, longest);
-}
-
-std::vector<LeavingPlace> leaving_places(const SurfaceClusters& clusters,
-                                         std::span<const Flight> back, float longest) {
-    constexpr std::size_t kDirections = LeavingRays::kDirections;
-    std::vector<LeavingPlace> places(clusters.count());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        std::array<float, kDirections> lengths{};
-        for (std::size_t d = 0; d < kDirections; ++d)
-            lengths[d] = std::min(longest, back[i * kDirections + d].legs[0].length);
-        places[i] = {clusters.position[i], clusters.normal[i],
-                     LeavingRays(clusters.normal[i]).fit(lengths)};
-    }
-    return places;
-}
-
 }  // namespace
 
 float BodyDiffusion::longest_flight(const Medium& medium) {
@@ -133,8 +107,7 @@ BodyDiffusion::BodyDiffusion(const SampledSurface& samples, const Medium& medium
         while (tree_.patches[fine_.clusters.patch[i]].begin >= end(parent)) ++parent;
         parent_.push_back(parent);
     }
-    leaving_ = follow_back(fine_.clusters, follow, longest_flight(medium));
-    places_ = leaving_places(fine_.clusters, leaving_, longest_flight(medium));
+    ways_.emplace(fine_.clusters.position, fine_.clusters.normal, follow, longest_flight(medium));
 }
 
 BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
@@ -159,12 +132,14 @@ BodyDiffusion::Solution BodyDiffusion::solve(const EnteringLight& light) const {
         if (!solved_[c]) return;
         const SourceSums sums(light, *kernels_[c], double(medium_.mean_free_path()[int(c)]),
                               int(c));
-        std::vector<float> phi;
-        reports[c] = solve_channel(int(c), sums.in_infinite_medium(places, own),
-                                   sums.leaving_half_space(places, own), result, phi);
+        const std::vector<double> S = sums.in_infinite_medium(places, own);
+        std::vector<double> phi;
+        reports[c] = solve_channel(int(c), S, sums.leaving_half_space(places, own), result, phi);
         if (phi.empty()) return;
-        find_radiance(int(c), sums, phi, own, result.radiance);
-        say_how_much(int(c), sums.leaving_once(places_), result);
+        const std::vector<LeavingRadiance> X = ways_->radiance(
+            {sums, *kernels_[c], *fine_.equation, samples_, tree_, S, phi, own, int(c)});
+        for (std::size_t i = 0; i < X.size(); ++i) result.radiance[i][c] = X[i];
+        say_how_much(int(c), sums.leaving_once(ways_->places()), result);
     });
     for (const ChannelReport& report : reports) {
         result.iterations = std::max(result.iterations, report.iterations);
@@ -194,7 +169,7 @@ BodyDiffusion::Entry BodyDiffusion::find_entry(const EnteringLight& light,
 BodyDiffusion::ChannelReport BodyDiffusion::solve_channel(int c, const std::vector<double>& S,
                                                           const std::vector<double>& H,
                                                           Solution& result,
-                                                          std::vector<float>& phi) const {
+                                                          std::vector<double>& phi) const {
     const std::size_t n = fine_.clusters.count(), m = coarse_.clusters.count();
     const double to_fluence = 2 * channels_[std::size_t(c)].A;
     const auto fine_H = part(H, 0, n), coarse_H = part(H, n, m);
@@ -217,61 +192,8 @@ BodyDiffusion::ChannelReport BodyDiffusion::solve_channel(int c, const std::vect
     };
     put(fine.phi, fine_H, result.fine);
     put(coarse.phi, coarse_H, result.coarse);
-    phi.assign(fine.phi.begin(), fine.phi.end());
+    phi = fine.phi;
     return {fine.iterations, fine.converged && coarse.converged};
-}
-
-// The fluence inside along the ways on which light leaves each cluster, and what leaves of it:
-//
-//     X(w') = alpha' / (4 eta^2) 2 integral of F_t mu * integral over u of phi(x - u w') e^-u du
-void BodyDiffusion::find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
-                                  std::span<const std::int64_t> own_sample,
-                                  std::vector<ClusterRadiance>& radiance) const {
-    constexpr std::size_t kNodes = LeavingRays::kNodes, kDirections = LeavingRays::kDirections;
-    static_assert(kDirections * kNodes == PointPacket::kSize);
-    const ReducedChannel reduced = reduced_channel(medium_, c);
-    const double factor = diffuse_fresnel_transmittance(reduced.eta) /
-                          (4 * reduced.eta * reduced.eta) * reduced.alpha_prime;
-    const auto rule = last_scattering_rule(kernels_[std::size_t(c)]->kappa);
-    // Of light that scattered once more, in Grosjean's parts.
-    for (float& fluence : phi) fluence *= float(reduced.alpha_prime);
-    const std::size_t n = fine_.clusters.count();
-    std::vector<PointPacket> packets(n);
-    std::vector<Vec3> points(n * PointPacket::kSize);
-    std::vector<std::int64_t> own(points.size());
-    const auto collisions = [&](std::size_t i, std::size_t d) {
-        return Collisions(leaving_[i * kDirections + d], 1 / reduced.sigma_t_prime);
-    };
-    parallel_for(n, 64, [&](std::size_t i) {
-        for (std::size_t k = 0; k < PointPacket::kSize; ++k) {
-            const Collisions on_way = collisions(i, k / kNodes);
-            const Vec3 x =
-                fine_.clusters.position[i] + on_way.at(rule.share_on(k % kNodes, on_way.length()));
-            packets[i].set(int(k), x);
-            points[i * PointPacket::kSize + k] = x;
-            own[i * PointPacket::kSize + k] = own_sample[i];
-        }
-    });
-    const std::vector<double> sources = sums.inside(points, own);
-    const std::vector<SurfaceSum> layers =
-        fine_.equation->sum_layers(samples_, tree_, c, phi, packets);
-    parallel_for(n, 64, [&](std::size_t i) {
-        std::array<float, kDirections> X{};
-        for (std::size_t d = 0; d < kDirections; ++d) {
-            double sum = 0;
-            for (std::size_t node = 0; node < kNodes; ++node) {
-                const std::size_t k = d * kNodes + node;
-                // What the layers' quadrature misses of the solid angle near the surface has the
-                // fluence of the cluster there.
-                const double fluence = sources[i * PointPacket::kSize + k] -
-                                       double(layers[i].layers.of[k]) +
-                                       double(phi[i]) * (1 - double(layers[i].solid_angle.of[k]));
-                sum += rule.weight[node] * std::max(0.0, fluence);
-            }
-            X[d] = float(factor * collisions(i, d).probability() * sum);
-        }
-        radiance[i][std::size_t(c)] = LeavingRays(fine_.clusters.normal[i]).fit(X);
-    });
 }
 
 // Lets the balance say how much leaves. What F misses of it is light that total reflection keeps in
@@ -281,17 +203,9 @@ void BodyDiffusion::say_how_much(int c, std::span<const LeavingOnce::Exitance> l
     const ReducedChannel reduced = reduced_channel(medium_, c);
     const LightBalance balance(reduced);
     const float mean_cosine = mean_cosine_of_leaving(medium_.eta);
-    // Where no way back has any length, light leaves evenly.
-    constexpr float kLeastScattered = 1e-4f;
     parallel_for(leaving_once.size(), 256, [&](std::size_t i) {
         const Vec3 mean_way = mean_cosine * fine_.clusters.normal[i];
-        std::array<float, LeavingRays::kDirections> scattered{};
-        for (std::size_t d = 0; d < scattered.size(); ++d)
-            scattered[d] = std::max(
-                kLeastScattered,
-                float(Collisions(leaving_[i * scattered.size() + d], 1 / reduced.sigma_t_prime)
-                          .probability()));
-        const LeavingRadiance shape = LeavingRays(fine_.clusters.normal[i]).fit(scattered);
+        const LeavingRadiance shape = ways_->of_even_fluence(i, 1 / reduced.sigma_t_prime);
         LeavingRadiance& X = result.radiance[i][std::size_t(c)];
         const double mean = double(X.at(mean_way));
         const LeavingOnce::Exitance once = leaving_once[i];

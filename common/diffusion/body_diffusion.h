@@ -10,6 +10,7 @@
 #include "common/diffusion/cluster_field.h"
 #include "common/diffusion/flight.h"
 #include "common/diffusion/leaving_radiance.h"
+#include "common/diffusion/leaving_ways.h"
 #include "common/diffusion/source_sums.h"
 #include "common/diffusion/surface_clusters.h"
 #include "common/optics/medium.h"
@@ -95,10 +96,7 @@ private:
     };
     Entry find_entry(const EnteringLight& light, std::span<const std::int64_t> lit) const;
     ChannelReport solve_channel(int c, const std::vector<double>& S, const std::vector<double>& H,
-                                Solution& result, std::vector<float>& phi) const;
-    void find_radiance(int c, const SourceSums& sums, std::vector<float> phi,
-                       std::span<const std::int64_t> own_sample,
-                       std::vector<ClusterRadiance>& radiance) const;
+                                Solution& result, std::vector<double>& phi) const;
     void say_how_much(int c, std::span<const LeavingOnce::Exitance> leaving_once,
                       Solution& result) const;
 
@@ -109,8 +107,7 @@ private:
     std::array<ChannelDiffusion, 3> channels_;
     std::array<std::optional<SourceKernels>, 3> kernels_;
     Level fine_, coarse_;
-    std::vector<LeavingPlace> places_;   // [fine cluster]
-    std::vector<Flight> leaving_;        // [fine cluster][direction of LeavingRays] back along it
+    std::optional<LeavingWays> ways_;    // from fine clusters
     std::vector<std::uint32_t> parent_;  // [fine cluster] the coarse one that holds it
 };
 

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "common/base/vec.h"
 #include "common/diffusion/leaving_radiance.h"
@@ -45,26 +42,11 @@ public:
     struct Exitance {
         double all, part;
     };
-    /// `near` is room for what is added up, to
-    /// be used again.
-    Exitance at(const LeavingPlace& place, OnceSources& near) const;
+    Exitance at(const LeavingPlace& place, OnceSources& room) const;
 
 private:
-    static constexpr int kHeights = 64;
-    static constexpr int kDiscPoints = 16;
-    class Gatherer;
-
-    float above_disc(float height) const;
-    float part_of(std::uint32_t first, std::uint32_t count) const;
-
-    const SumTree& sources_;
+    OnceCloud cloud_;
     double factor_;
-    float eta_, mean_free_path_, cell_radius_;  // units of the tree
-    std::vector<double> part_before_;           // [source], empty without a part
-    /// What a disc of the weight 1 does to a place above its middle, by its height in steps of
-    /// cell_radius_ / kHeights * kFarFromDisc.
-    std::array<float, kHeights + 2> above_disc_;
-    std::array<Vec2, kDiscPoints> disc_;  // points of a cell, units of the tree
 };
 
 }  // namespace tallow
