@@ -97,9 +97,10 @@ void require_writable(const std::filesystem::path& file) {
         errno = EISDIR;
         fail(file, "cannot be written");
     }
-    const bool writable = is_special(target) ? ::access(target.c_str(), W_OK) == 0
-                                             : ::access(folder_of(target).c_str(), W_OK | X_OK) == 0;
-    if (!writable) fail(file, "cannot be written");
+    const bool is_writable = is_special(target)
+                                 ? ::access(target.c_str(), W_OK) == 0
+                                 : ::access((folder_of(target) / ".").c_str(), W_OK | X_OK) == 0;
+    if (!is_writable) fail(file, "cannot be written");
 }
 
 }  // namespace tallow

@@ -41,7 +41,7 @@ objects:
   - {shape: plane, point: [0, -1.5, 0], normal: [0, 1, 0], material: floor}
 lights:
   - {type: quad, position: [0, 6, -3], look_at: [0, 0, 0], size: [2, 2], radiance: 9}
-settings: {samples: 2, light_samples: 4}
+settings: {samples: 2, light_samples: 4, bounces: 1, tolerance: 0.1, single_scattering_depths: 8}
 )";
 
 class Frames : public ::testing::Test {
@@ -91,7 +91,7 @@ TEST_F(Frames, HaveTheBytesThatEachHasAlone) {
                           picture = folder_ / (camera + "_##.png"), alone = folder_ / "alone.exr";
         expect_rendered(camera, {"--frames", "0-5", "--threads", "2", "--aovs", "all", "-o",
                                  together, "-o", picture});
-        for (int frame = 0; frame < 6; ++frame) {
+        for (const int frame : {0, 3, 5}) {
             expect_rendered(camera, {"--frames", fmt::format("{}", frame), "--threads", "1",
                                      "--aovs", "all", "-o", alone, "-o", folder_ / "alone.png"});
             EXPECT_EQ(bytes(fmt::format("{}_{:02}.exr", camera, frame)), bytes("alone.exr"))

@@ -41,7 +41,7 @@ lights:
   - {type: spot, position: [5, 15, 0], look_at: [0, 0, 0], intensity: 90, cone_deg: 30}
   - {type: directional, direction: [1, -2, -1], irradiance: 0.2}
   - {type: environment, radiance: [0.05, 0.06, 0.08], group: sky}
-settings: {samples: 4, light_samples: 8}
+settings: {samples: 4, light_samples: 8, tolerance: 0.1, bounces: 1, single_scattering_depths: 8}
 )";
 
 inline path pyramid_folder(const std::string& part = "files") {

@@ -29,7 +29,7 @@ objects:
   - {shape: plane, point: [0, -1.5, 0], normal: [0, 1, 0], material: floor}
 lights:
   - {type: quad, position: [0, 6, -3], look_at: [0, 0, 0], size: [2, 2], radiance: 9, group: key}
-settings: {samples: 4, light_samples: 4, indirect_samples: 4, bounces: 1}
+settings: {samples: 4, light_samples: 4, indirect_samples: 4, bounces: 1, single_scattering_depths: 8}
 )";
 
 Result view(const std::vector<std::string>& arguments) { return run(TALLOW_VIEW, arguments); }

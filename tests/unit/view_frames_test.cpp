@@ -31,7 +31,7 @@ objects:
 lights:
   - {type: quad, position: [0, 6, -3], look_at: [0, 0, 0], size: [2, 2], radiance: 9, group: key}
   - {type: point, position: [5, 6, 3], intensity: 40, group: fill}
-settings: {samples: 4, light_samples: 4, indirect_samples: 4}
+settings: {samples: 4, light_samples: 4, indirect_samples: 4, bounces: 1, tolerance: 0.1, single_scattering_depths: 8}
 )";
 
 class Frames : public ::testing::Test {
