@@ -88,8 +88,8 @@ TEST(Pipeline, RadianceLayersSumToThePicture) {
 TEST(Pipeline, ACropIsThatPartOfTheWholeImage) {
     const path folder = pyramid_folder();
     make_cache(folder);
-    // With the plain sum; the hierarchy groups neighbours, and a crop has others. So do the paths of
-    // single scattering, which are found together and differ in their last bits.
+    // With the plain sum; the hierarchy groups neighbours, and a crop has others. So do the paths
+    // of single scattering, which are found together and differ in their last bits.
     ASSERT_EQ(render_to(folder, "whole.exr", {"--tolerance", "0", "--samples", "1"}).exit_code, 0);
     ASSERT_EQ(render_to(folder, "part.exr",
                         {"--tolerance", "0", "--samples", "1", "--crop", "10,5,30,25"})
