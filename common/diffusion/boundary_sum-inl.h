@@ -26,12 +26,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Rows = hn::CappedTag<float, BoundaryPacket::kSize>;
 using RowVector = hn::Vec<Rows>;
 
-// A patch acts as one on points farther away than its radius / kOpening. Measured:
-// docs/BODY_AWARE.md has phi's error against an operator of samples alone.
-constexpr float kOpening = 0.12f;
+/// A patch acts as one on points farther away than its radius / opening.
+struct Openings {
+    float far;   // of patches above the clusters
+    float part;  // of clusters and their parts, which are flat and have one more moment
+};
+
+// Measured: docs/BODY_AWARE.md has phi's error against an operator of samples alone.
+constexpr Openings kOpenings{0.12f, 0.25f};
 
 // The same for sums at points inside, which need not be solved with.
-constexpr float kOpeningInside = 0.18f;
+constexpr Openings kOpeningsInside{0.18f, 0.4f};
 
 // Of a patch whose light has decayed by e to this power no channel sees more than the solid angle.
 constexpr float kDarkExponent = 16;
@@ -65,9 +70,9 @@ struct Way {
     }
 };
 
-/// g0, g1, g2 of FluencePatch.
+/// g0, g1, g2 of FluencePatch, and g3 = (15 + 15 t + 6 t^2 + t^3) e^-t / rho^7 after them.
 struct Decay {
-    RowVector g0, g1, g2;
+    RowVector g0, g1, g2, g3;
 
     HWY_INLINE Decay(float s, RowVector u) : Decay(s, u, inverse_root(u)) {}
     HWY_INLINE Decay(float s, RowVector u, RowVector inverse) {
@@ -75,17 +80,21 @@ struct Decay {
         const auto one = hn::Set(d, 1), three = hn::Set(d, 3);
         const auto inverse2 = hn::Mul(inverse, inverse);
         g0 = inverse;
-        auto second = three, first = one;
+        auto third = hn::Set(d, 15), second = three, first = one;
         if (s > 0) {
             const auto t = hn::Mul(hn::Set(d, s), hn::Mul(u, inverse));
             // Smaller ones would underflow, and are not seen anyway.
             g0 = hn::Mul(inverse, hn::Exp(d, hn::Max(hn::Neg(t), hn::Set(d, -80))));
             first = hn::Add(one, t);
             second = hn::MulAdd(t, hn::Add(three, t), three);
+            third = hn::MulAdd(t, hn::MulAdd(t, hn::Add(hn::Set(d, 6), t), hn::Set(d, 15)),
+                               hn::Set(d, 15));
         }
         const auto g0_2 = hn::Mul(g0, inverse2);
         g1 = hn::Mul(first, g0_2);
-        g2 = hn::Mul(second, hn::Mul(g0_2, inverse2));
+        const auto g0_4 = hn::Mul(g0_2, inverse2);
+        g2 = hn::Mul(second, g0_4);
+        g3 = hn::Mul(third, hn::Mul(g0_4, inverse2));
     }
     static HWY_INLINE RowVector inverse_root(RowVector u) {
         return hn::Div(hn::Set(Rows(), 1), hn::Sqrt(u));
@@ -110,8 +119,9 @@ HWY_INLINE void add(float* to, RowVector value) {
 template <class Sink>
 class PatchWalk {
 public:
-    PatchWalk(const BoundarySurface& surface, const PointPacket& points, float opening, Sink& sink)
-        : surface_(surface), points_(points), opening_(opening), sink_(sink) {}
+    PatchWalk(const BoundarySurface& surface, const PointPacket& points, const Openings& openings,
+              Sink& sink)
+        : surface_(surface), points_(points), openings_(openings), sink_(sink) {}
 
     void run() { visit(0, surface_.cluster_of[0]); }
 
@@ -121,8 +131,9 @@ private:
         const SurfacePatch& patch = surface_.tree.patches[index];
         if (cluster == SurfacePatch::kNone) cluster = surface_.cluster_of[index];
         const float least = std::sqrt(least_distance2(points_, patch.centroid));
-        if (patch.radius <= opening_ * least) {
-            if (cluster == SurfacePatch::kNone)
+        const bool is_far = cluster == SurfacePatch::kNone;
+        if (patch.radius <= (is_far ? openings_.far : openings_.part) * least) {
+            if (is_far)
                 sink_.add_far(index, patch, least);
             else
                 sink_.add_patch(patch, cluster);
@@ -136,11 +147,11 @@ private:
 
     const BoundarySurface& surface_;
     const PointPacket& points_;
-    float opening_;
+    Openings openings_;
     Sink& sink_;
 };
 
-/// Integral of k over a patch that acts as one.
+/// Integral of k over a far patch.
 HWY_INLINE RowVector patch_solid_angle(const SurfacePatch& patch, const Way& way, const Decay& g) {
     const Rows d;
     const auto flux = hn::Add(way.dot(patch.vector_area), hn::Set(d, patch.vector_first.trace()));
@@ -148,24 +159,41 @@ HWY_INLINE RowVector patch_solid_angle(const SurfacePatch& patch, const Way& way
     return hn::Mul(hn::Set(d, kInv4Pi), k);
 }
 
-/// Both layers of fluence 1 on a patch, in any channel.
+/// Both layers of fluence 1 on a part of a cluster, in any channel. Its double layer has second
+/// moments too, as a flat patch has them:
+///
+///     V / area . d (g3 d^T S d - g2 tr S) / 2
 struct PatchLayers {
-    RowVector of_second, of_vector, flux;
-    float area, trace;
+    RowVector of_second, of_vector, flux, tilt;
+    float area, half_trace;
 
     HWY_INLINE PatchLayers(const SurfacePatch& patch, const Way& way)
         : of_second(hn::Mul(hn::Set(Rows(), 0.5f), way.quadratic(patch.second))),
           of_vector(way.quadratic(patch.vector_first)),
-          flux(hn::Add(way.dot(patch.vector_area), hn::Set(Rows(), patch.vector_first.trace()))),
           area(patch.area),
-          trace(patch.second.trace()) {}
+          half_trace(0.5f * patch.second.trace()) {
+        const Rows d;
+        const auto of_area = way.dot(patch.vector_area);
+        flux = hn::Add(of_area, hn::Set(d, patch.vector_first.trace()));
+        tilt = hn::Mul(of_area, hn::Set(d, 1 / area));
+    }
+    HWY_INLINE RowVector solid_angle(const Decay& g) const {
+        return hn::Mul(hn::Set(Rows(), kInv4Pi), double_layer(g));
+    }
     HWY_INLINE RowVector operator()(const Decay& g, float single_layer) const {
         const Rows d;
         const auto single =
             hn::MulAdd(hn::Set(d, area), g.g0,
-                       hn::NegMulAdd(hn::Set(d, 0.5f * trace), g.g1, hn::Mul(of_second, g.g2)));
-        const auto both = hn::NegMulAdd(flux, g.g1, hn::Mul(of_vector, g.g2));
-        return hn::MulAdd(hn::Set(d, single_layer), single, hn::Mul(hn::Set(d, kInv4Pi), both));
+                       hn::NegMulAdd(hn::Set(d, half_trace), g.g1, hn::Mul(of_second, g.g2)));
+        return hn::NegMulAdd(hn::Set(d, kInv4Pi), double_layer(g),
+                             hn::Mul(hn::Set(d, single_layer), single));
+    }
+
+private:
+    HWY_INLINE RowVector double_layer(const Decay& g) const {
+        const Rows d;
+        const auto bend = hn::NegMulAdd(hn::Set(d, half_trace), g.g2, hn::Mul(of_second, g.g3));
+        return hn::MulAdd(tilt, bend, hn::NegMulAdd(of_vector, g.g2, hn::Mul(flux, g.g1)));
     }
 };
 
@@ -213,7 +241,7 @@ public:
 
     void fill() {
         packet_.diagonal = {};
-        PatchWalk(surface_, packet_, kOpening, *this).run();
+        PatchWalk(surface_, packet_, kOpenings, *this).run();
     }
 
     void add_far(std::uint32_t index, const SurfacePatch& patch, float least) {
@@ -234,8 +262,8 @@ public:
         for (std::size_t i = 0; i < BoundaryPacket::kSize; i += hn::MaxLanes(d)) {
             const Way way(packet_, i, patch.centroid);
             const auto inverse = Decay::inverse_root(way.u);
-            add(packet_.diagonal.of + i, patch_solid_angle(patch, way, Decay(0, way.u, inverse)));
             const PatchLayers layers(patch, way);
+            add(packet_.diagonal.of + i, layers.solid_angle(Decay(0, way.u, inverse)));
             for (std::size_t c = 0; c < 3; ++c)
                 add(packet_.coefficient[c][entry].of + i,
                     layers(Decay(surface_.s[c], way.u, inverse), surface_.single_layer[c]));
@@ -306,7 +334,7 @@ public:
 
     void sum() {
         result_ = {};
-        PatchWalk(surface_, points_, kOpeningInside, *this).run();
+        PatchWalk(surface_, points_, kOpeningsInside, *this).run();
     }
 
     void add_far(std::uint32_t index, const SurfacePatch& patch, float least) {
@@ -326,9 +354,8 @@ public:
         for (std::size_t i = 0; i < PointPacket::kSize; i += hn::MaxLanes(d)) {
             const Way way(points_, i, patch.centroid);
             const auto inverse = Decay::inverse_root(way.u);
-            add(result_.solid_angle.of + i,
-                patch_solid_angle(patch, way, Decay(0, way.u, inverse)));
             const PatchLayers layers(patch, way);
+            add(result_.solid_angle.of + i, layers.solid_angle(Decay(0, way.u, inverse)));
             add(result_.layers.of + i,
                 hn::Mul(phi, layers(Decay(s_, way.u, inverse), single_layer_)));
         }
