@@ -121,12 +121,15 @@ double exitance_error(const path& folder) {
 
 TEST(Pipeline, HierarchyErrorIsWithinTheTolerance) {
     const path folder = pyramid_folder();
-    make_cache(folder, {"--spacing", "0.08"});
-    ASSERT_EQ(render_to(folder, "plain.exr", {"--tolerance", "0", "--aovs", "exitance"}).exit_code,
+    make_cache(folder, {"--spacing", "0.12", "--bounces", "0"});
+    ASSERT_EQ(render_to(folder, "plain.exr",
+                        {"--tolerance", "0", "--aovs", "exitance", "--set", "settings.bounces=0"})
+                  .exit_code,
               0);
     for (const char* criterion : {"error", "solid-angle"}) {
-        const std::vector<std::string> flags = {"--tolerance", "0.01",   "--criterion",
-                                                criterion,     "--aovs", "exitance"};
+        const std::vector<std::string> flags = {
+            "--tolerance", "0.01",     "--criterion", criterion,
+            "--aovs",      "exitance", "--set",       "settings.bounces=0"};
         ASSERT_EQ(render_to(folder, "fast.exr", flags).exit_code, 0);
         const double error = exitance_error(folder);
         EXPECT_GT(error, 0) << criterion;
@@ -164,12 +167,15 @@ TEST(Pipeline, DepthsOfSingleScatteringCanBeSet) {
 // In every pixel and channel. The plain sum's own kernel is a table of floats, good to 1e-6.
 TEST(Pipeline, CertificateHoldsInEveryPixel) {
     const path folder = pyramid_folder();
-    make_cache(folder, {"--spacing", "0.15"});
-    ASSERT_EQ(render_to(folder, "plain.exr", {"--tolerance", "0", "--aovs", "exitance"}).exit_code,
+    make_cache(folder, {"--spacing", "0.15", "--bounces", "0"});
+    ASSERT_EQ(render_to(folder, "plain.exr",
+                        {"--tolerance", "0", "--aovs", "exitance", "--set", "settings.bounces=0"})
+                  .exit_code,
               0);
     for (const double tolerance : {0.03, 0.001}) {
-        const std::vector<std::string> flags = {"--certify", fmt::format("{}", tolerance), "--aovs",
-                                                "all"};
+        const std::vector<std::string> flags = {"--certify", fmt::format("{}", tolerance),
+                                                "--aovs",    "all",
+                                                "--set",     "settings.bounces=0"};
         ASSERT_EQ(render_to(folder, "fast.exr", flags).exit_code, 0);
         for (const char* c : {"R", "G", "B"}) {
             const auto plain = channel(folder / "plain.exr", fmt::format("exitance.{}", c));
