@@ -139,6 +139,7 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
 
 void describe(const Arguments& a, ToolRun& run) {
     require_plots(a);
+    for (const std::filesystem::path file : a.plots) require_writable(file);
     const FoundMaterial found = choose_material(a);
     const Medium& medium = found.material.medium;
     const std::string title = fmt::format("{} ({})", found.name, found.origin);

@@ -13,8 +13,8 @@ namespace tallow {
 namespace {
 
 // The layers' fluence is smooth up to the surface, where it is known: it is summed at the last
-// nodes of each way only, and the others lie on a parabola. X of all sums and of these differ by
-// 0.3 % (marble) to 0.7 % (skin) on sphere, bunny, armadillo and leaf.
+// nodes of each way only, and the others lie on a parabola. 4 sums at all of them, for comparison
+// (docs/BODY_AWARE.md).
 constexpr std::size_t kSummed = 2;
 
 constexpr std::size_t kPointsOfCluster = LeavingRays::kDirections * kSummed;

@@ -225,11 +225,7 @@ OnceSums sum_once(const OnceCloud& cloud, const OncePlace& place, OnceSources& r
     room.count = 0;
     OnceGatherer gatherer(cloud, place, room);
     gatherer.run();
-    // Fills the last register with sources of no weight.
-    room.make_room(OnceSources::kWidth);
-    const std::size_t count = room.count;
-    for (std::size_t k = 0; k < OnceSources::kWidth; ++k) room.add(Vec3(1), 0, 0);
-    room.count = count;
+    room.close();
     const OnceSums sums = sum_ways(room, place.normal, cloud.mean_free_path, cloud.eta);
     const OnceSums above = gatherer.above_middles();
     return {sums.all + above.all, sums.part + above.part};

@@ -68,6 +68,11 @@ struct OnceSources {
         weight[count] = w, part[count] = part_of_w;
         ++count;
     }
+    /// Fills the last register with sources of no weight.
+    void close() {
+        make_room(kWidth);
+        while (count % kWidth != 0) add(Vec3(1), 0, 0);
+    }
 };
 
 /// The sum with the weights, and with those of a part of the light.
