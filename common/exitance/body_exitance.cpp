@@ -152,8 +152,7 @@ std::string diffusion_warning(const DiffusionReport& report, double tolerance) {
     if (report.error <= kMostOfTolerance * tolerance) return {};
     return fmt::format(
         "diffusion on {} boundary elements is off by about {:.2g} of the light, above the "
-        "tolerance "
-        "of {}: a smaller settings.tolerance takes more of them",
+        "tolerance of {:.3g}: a smaller settings.tolerance takes more of them",
         report.clusters, report.error, tolerance);
 }
 
